@@ -4,7 +4,7 @@ use interval::{Interval, IntervalBox, contractor::ForwardBackward, paving::Pavin
 
 fn main() -> Result<(), ImageError> {
     let beacons = [[0.0, 0.0, 4.3], [6.0, 0.0, 4.1], [2.0, 5.0, 2.4]];
-    // An equation becomes a set: all places at the measured distance, give or take its error.
+    // The equation of the measured distance to a beacon becomes a set: all places at that distance, give or take its error.
     let [first, second, third] = beacons.map(|[a, b, range_m]| {
         let range = Interval::centred(range_m, 0.2);
         ForwardBackward::new(move |[x, y]| (x - a).hypot(y - b), range)
@@ -13,7 +13,8 @@ fn main() -> Result<(), ImageError> {
     let places = Paving::new(&first.and(second).and(third), room, &[0, 1], 0.02);
     let [x, y] = places.hull().components();
     println!("the robot is in x {x:.3} m, y {y:.3} m");
-    // Rings of the single ranges are grey; where the robot surely may be is green, undecided orange.
+    // In the picture, places that agree with one or more of the ranges are grey, the darker the more ranges they agree with. Places that surely
+    // agree with all three ranges are green, undecided ones orange.
     let picture = RgbImage::from_fn(640, 640, |u, v| {
         let (x, y) = (f64::from(u) / 80.0 - 1.0, 7.0 - f64::from(v) / 80.0);
         let is_in = |boxes: &[IntervalBox<2>]| boxes.iter().any(|one| one.contains(&[x, y]));

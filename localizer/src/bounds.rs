@@ -9,9 +9,9 @@ pub type Assumption = &'static str;
 /// Name, unit and meaning of a declared bound; its value is declared elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bound {
-    /// Name of the bound in estimates, verdicts and summaries.
+    /// Name of the bound, as it stands in estimates, in a judge's verdicts and in the summaries of runs.
     pub name: Assumption,
-    /// Unit of the bound and of the true value behind it; `1` for shares and counts.
+    /// Unit of the bound and of the quantity that it bounds; `1` for shares and counts.
     pub unit: &'static str,
     /// Description of the quantity whose magnitude is bounded.
     pub what: &'static str,

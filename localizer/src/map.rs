@@ -19,18 +19,18 @@ pub struct Map {
     pub wall_directions_rad: Vec<Interval>,
 }
 
-/// Dot-matrix markers as pasted on the ceiling.
+/// Map of the dot-matrix markers that are pasted on the ceiling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerMap {
-    /// The set of allowed identities that the markers' identities are taken from.
+    /// Set of allowed marker identities, from which the identities of the ceiling's markers are taken.
     pub coding: Coding,
     /// All markers of the ceiling; each identity occurs once.
     pub markers: Vec<PlacedMarker>,
-    /// Greatest distance of a marker's centre from its nominal place (bound `markers.placement`).
+    /// Greatest distance of a ceiling marker's centre from its place on the map (bound `markers.placement`).
     pub placement_m: f64,
-    /// Greatest angle between a marker and its nominal direction (bound `markers.rotation`).
+    /// Greatest angle between a ceiling marker and its direction on the map (bound `markers.rotation`).
     pub rotation_tolerance_rad: f64,
-    /// Greatest distance of a dot's centre from its place in the marker frame (bound `markers.print`).
+    /// Greatest distance of a dot's centre from its nominal place in the marker frame (bound `markers.print`).
     pub print_m: f64,
 }
 
@@ -61,9 +61,10 @@ pub struct TileGrid {
     pub phase_m: [f64; 2],
     /// Width of a joint between tiles.
     pub joint_width_m: f64,
-    /// Greatest distance, anywhere in the room, of a joint's straight line from its nominal place (bound `floor_tiles.laying`).
+    /// Greatest distance, anywhere in the room, of a joint's straight line from its nominal place in the tile grid (bound
+    /// `floor_tiles.laying`).
     pub laying_m: f64,
-    /// Greatest angle between a joint's straight line and its nominal direction (bound `floor_tiles.laying_angle`).
+    /// Greatest angle between a joint's straight line and its nominal direction in the tile grid (bound `floor_tiles.laying_angle`).
     pub laying_angle_rad: f64,
     /// Greatest distance of a joint's true centre line from the straight line that stands for the joint (bound `floor_tiles.straightness`).
     pub straightness_m: f64,

@@ -18,7 +18,7 @@ pub struct Pose {
 /// A box of poses, in the order x, y, heading (metres, metres, radians).
 pub type PoseBox = IntervalBox<3>;
 
-/// Union of pose boxes (its branches): the pose is in at least one of them. A union without branches means that an assumption failed.
+/// Union of pose boxes (its branches): the robot's pose is in at least one of them. A union without branches means that an assumption failed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PoseUnion {
     /// Non-empty boxes of the union, in a fixed order.
@@ -48,13 +48,13 @@ impl PoseUnion {
         self.branches.iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch))
     }
 
-    /// Greatest number of branches (boxes) of a pose union that was thinned. More are of no practical use, and computing with each pair of them
-    /// takes longer than the time between readings. A floor of 4 m × 3 m with tiles of 33 cm has some 430 while all tiles and quadrants are
-    /// possible.
+    /// Greatest number of branches (boxes) of a pose union in which neighbouring branches were replaced by their hulls to make them fewer. More are
+    /// of no practical use, and computing with each pair of them takes longer than the time between readings. A floor of 4 m × 3 m with tiles of 33
+    /// cm gives some 430 branches while all tiles and all quadrants of heading are possible.
     pub const MOST_BRANCHES: usize = 512;
 
-    /// The union without branches that lie inside another branch. If there are more than [`PoseUnion::MOST_BRANCHES`] branches, neighbouring ones
-    /// are first replaced by their hull; the next constraint may separate them again.
+    /// The union without the branches that lie inside another branch. If there are more than [`PoseUnion::MOST_BRANCHES`] branches, neighbouring ones
+    /// are first replaced by their hull, which a later constraint may cut into separate branches again.
     pub fn without_repeats(self) -> Self {
         let branches = self.thinned();
         let mut kept: Vec<PoseBox> = Vec::with_capacity(branches.len());
@@ -103,11 +103,12 @@ impl PoseUnion {
         PoseUnion { branches: branches.collect() }.without_repeats()
     }
 
-    /// Number of pairs of branches up to which [`PoseUnion::common`] keeps the intersections of all pairs: 64 branches with 64. Finding the
-    /// intersections that lie inside others takes comparisons in pairs, at most 16 million of them.
+    /// Greatest number of pairs of branches, one from each of two unions, for which [`PoseUnion::common`] keeps the intersection of every pair; 4096
+    /// pairs are those of two unions of 64 branches. To find intersections that lie inside others, they are compared in pairs, at most 16 million
+    /// times.
     pub const MOST_PAIRS: usize = 4096;
 
-    /// Whether at least one branch contains the pose.
+    /// Whether at least one box of the union contains the given pose.
     pub fn contains(&self, pose: Pose) -> bool {
         self.branches.iter().any(|branch| branch.contains(&pose.to_array()))
     }
@@ -124,7 +125,8 @@ mod tests {
 
     use super::*;
 
-    /// Overlapping squares with 2 m sides, each displaced from the one before by 1 cm in x and by −1 cm in y, so that each overlaps most others.
+    /// A union of overlapping boxes, in x and y squares with 2 m sides, each displaced from the one before by 1 cm in x and by −1 cm in y, so that
+    /// each overlaps most others.
     fn staggered(count: usize, first_m: f64) -> PoseUnion {
         let square = |index: usize| {
             let low_m = first_m + 0.01 * index as f64;

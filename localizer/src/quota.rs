@@ -1,40 +1,42 @@
-//! Quotas of false claims: how many of a method's claims may be false. A scene declares them, and every constraint carries its own.
+//! Quotas of false claims. A claim is a method's assertion of what it saw in a reading; a quota says how many claims may be false. A scene declares
+//! the quotas, and every constraint carries the quota of its own claims.
 
-/// How many of the claims behind one reading's constraint may be false.
+/// Quota: how many of the claims (assertions of what was seen) behind one reading's constraint may be false, by itself and together with earlier
+/// readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quota {
-    /// Greatest number of false claims of the reading, not counting claims about upright edges.
+    /// Greatest number of the reading's claims that may be false, not counting claims about upright edges.
     pub items: usize,
-    /// Greatest number of false claims of the reading about upright edges. If more of them are false, the lean found from them is wrong, and no
-    /// claim of the reading counts as true.
+    /// Greatest number of the reading's claims about upright edges that may be false. If more of them are false, the lean of robot and camera that
+    /// was found from the upright edges is wrong, and no claim of the reading counts as true.
     pub upright: usize,
-    /// Number of readings of the method whose false claims are counted together, this one included.
+    /// Number of latest readings of the method whose false claims are counted together, this reading included.
     pub n_held: usize,
-    /// How the false claims of these readings are counted.
+    /// Rule by which the false claims of the readings that are counted together are counted.
     pub counting: Counting,
 }
 
-/// How the false claims of several readings are counted.
+/// Rule by which the false claims (wrong assertions of what was seen) of several readings are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Counting {
-    /// Each reading is counted by itself.
+    /// The false claims of each reading are counted by themselves.
     Alone,
     /// Of the readings that are counted together, at most this many may have more false claims than their own quota `items`.
     Readings(usize),
-    /// The claims of all readings that are counted together are taken as one set, without those about upright edges: `share` of them and `more` in
-    /// addition may be false, in at most `readings` of the readings.
+    /// The claims of all readings that are counted together form one set, without the claims about upright edges. Of this set, a share of `share` and
+    /// in addition `more` claims may be false, and they may come from at most `readings` of the readings.
     Together {
-        /// Share of the claims that may be false.
+        /// Share of the claims of all readings counted together that may be false.
         share: f64,
-        /// Number of claims that may be false in addition to the share.
+        /// Number of claims, of all readings counted together, that may be false in addition to the share.
         more: usize,
-        /// Greatest number of readings with any false claim.
+        /// Greatest number of the readings counted together that may have any false claim.
         readings: usize,
     },
 }
 
 impl Quota {
-    /// The quota for a method of which at most `items` claims of each reading are false.
+    /// The quota for a method that makes at most `items` false claims for each reading; every reading is counted by itself.
     pub fn of_each(items: usize) -> Quota {
         Quota { items, upright: 0, n_held: 1, counting: Counting::Alone }
     }

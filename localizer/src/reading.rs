@@ -7,7 +7,7 @@ use image::GrayImage;
 pub enum Reading {
     /// Encoder counts of both wheels since the start.
     Wheels {
-        /// Time at which the counters were latched.
+        /// Time at which the counters of both wheel encoders were latched for reading.
         measured_s: f64,
         /// Time at which the reading reaches the localizer.
         arrived_s: f64,
@@ -48,13 +48,13 @@ pub enum Reading {
         /// periods.
         blind_periods: u64,
     },
-    /// Coded landmarks as a range camera measured them.
+    /// Coded landmarks as a range camera (a stereo or structured-light camera) measured them.
     Range {
         /// Middle of the exposure, by the range camera's own stamp.
         measured_s: f64,
         /// Time at which the reading reaches the localizer.
         arrived_s: f64,
-        /// Landmarks that were in view; their order has no meaning.
+        /// Landmarks that were in the range camera's view; their order has no meaning.
         sightings: Vec<Sighting>,
     },
     /// Reading of a device of any other kind: numbers whose meaning is known to the device and to the methods that read it.
@@ -70,16 +70,16 @@ pub enum Reading {
     },
 }
 
-/// Columns at which a range camera's two views see one coded landmark.
+/// Columns at which the two views of a range camera (a stereo or structured-light camera) see one coded landmark.
 ///
 /// The second view belongs to another camera or to a projector; it stands one baseline to the right of the first view and is parallel to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
-    /// Landmark that the seen object is taken for; in a wrong correspondence the object is another landmark.
+    /// Landmark that the range camera takes the seen object for; if this correspondence is wrong, the object is another landmark.
     pub landmark: LandmarkId,
-    /// Column in the first (left) view, a multiple of the step declared in the sensor's model.
+    /// Column in the first (left) view, a multiple of the step declared in the range camera's model.
     pub left_px: f64,
-    /// Column in the second (right) view, a multiple of the step declared in the sensor's model.
+    /// Column in the second (right) view, a multiple of the step declared in the range camera's model.
     pub right_px: f64,
 }
 
@@ -149,7 +149,7 @@ impl Reading {
         }
     }
 
-    /// Delays the reading's arrival at the localizer.
+    /// Delays the reading's arrival at the localizer by the given time.
     pub fn delay(&mut self, by_s: f64) {
         match self {
             Reading::Wheels { arrived_s, .. }

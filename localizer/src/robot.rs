@@ -23,7 +23,7 @@ pub struct RobotModel {
     pub flow: Option<FlowModel>,
     /// The camera that looks up at the ceiling's markers, if there is one.
     pub ceiling_camera: Option<CeilingCameraModel>,
-    /// The range camera that measures coded landmarks, if there is one.
+    /// The range camera (a stereo or structured-light camera) that measures coded landmarks, if there is one.
     pub range_camera: Option<RangeCameraModel>,
 }
 
@@ -36,13 +36,16 @@ pub struct WheelModel {
     pub track_m: Interval,
     /// Encoder ticks in one turn of a wheel.
     pub ticks_per_turn: f64,
-    /// Slip ratio of each wheel: over any window of `slip_window_s`, `|true travel − rolled| ≤ slip_ratio·|rolled| + slip_floor_m`.
+    /// Slip ratio of each wheel: over any time window of `slip_window_s`, `|true travel − rolled| ≤ slip_ratio·|rolled| + slip_floor_m`, where
+    /// `rolled` is the distance that the wheel rolls and `true travel` that of its contact point.
     pub slip_ratio: f64,
-    /// Additive part of the slip bound; it counts once for every window that is begun.
+    /// Additive part of the bound on a wheel's slip, in metres. Over a longer span it counts once for every window of `slip_window_s` that is begun.
     pub slip_floor_m: f64,
-    /// Side-slip ratio: over the same window, `|lateral travel of the axle's middle| ≤ side_slip_ratio·|rolled| + side_slip_floor_m`.
+    /// Side-slip ratio: over any time window of `slip_window_s`, `|lateral travel of the axle's middle| ≤ side_slip_ratio·|rolled| +
+    /// side_slip_floor_m`, where `rolled` is the mean of the distances that both wheels roll.
     pub side_slip_ratio: f64,
-    /// Additive part of the side-slip bound; it counts once for every window that is begun.
+    /// Additive part of the bound on the axle's side slip, in metres. Over a longer span it counts once for every window of `slip_window_s` that is
+    /// begun.
     pub side_slip_floor_m: f64,
     /// Length of the time window over which the bounds on slip and on side slip hold.
     pub slip_window_s: f64,
@@ -83,12 +86,13 @@ pub struct FloorCameraModel {
     pub pixels_per_m: Interval,
     /// Height of the floor camera's optical centre above the floor.
     pub height_m: f64,
-    /// Lens coefficients k1, k2, p1, p2, k3 of Brown and Conrady as calibrated, for coordinates in focal lengths from the middle of the image.
+    /// Coefficients k1, k2, p1, p2, k3 of Brown and Conrady's lens model for the floor camera as calibrated, for coordinates in focal lengths from
+    /// the middle of the image.
     pub distortion: [f64; 5],
-    /// Greatest distance between a pixel and where the lens model puts it (bound `floor_camera.distortion`).
+    /// Greatest distance between a point in the floor image and where the lens model puts it (bound `floor_camera.distortion`).
     pub distortion_px: f64,
-    /// Time between the exposure starts of one image row and the next; 0 for a global shutter. An image's stamp is mid-exposure of row (height −
-    /// 1)/2.
+    /// Time between the starts of the exposures of one row of the floor image and the next; 0 for a global shutter. An image's stamp is mid-exposure
+    /// of row (height − 1)/2.
     pub row_time_s: f64,
     /// Position of the floor camera's optical centre in the robot frame: forward and left (bound `floor_camera.position`).
     pub position_m: [Interval; 2],
@@ -98,7 +102,7 @@ pub struct FloorCameraModel {
     pub tilt_rad: f64,
     /// Greatest error of a floor image's stamp (bound `floor_camera.stamp`).
     pub stamp_error_s: f64,
-    /// Greatest number of wrong lines in one floor image, `floor_tiles.q_items`.
+    /// Greatest number of detected lines in one floor image that may be wrong, such as lines that are no joints between tiles, `floor_tiles.q_items`.
     pub q_items: usize,
 }
 
@@ -116,9 +120,9 @@ pub struct CeilingCameraModel {
     pub focal_px: [Interval; 2],
     /// Principal point of the ceiling camera (bound `ceiling_camera.centre`).
     pub centre_px: [Interval; 2],
-    /// Coefficients k1, k2, p1, p2, k3 of Brown's lens model, for coordinates in focal lengths.
+    /// Coefficients k1, k2, p1, p2, k3 of Brown's lens model for the ceiling camera, for coordinates in focal lengths.
     pub distortion: [f64; 5],
-    /// Greatest distance between a pixel and where the lens model puts it (bound `ceiling_camera.distortion`).
+    /// Greatest distance between a point in the ceiling image and where the lens model puts it (bound `ceiling_camera.distortion`).
     pub distortion_px: f64,
     /// Height of the ceiling camera's optical centre above the floor at rest (bound `ceiling_camera.height`).
     pub height_m: Interval,
@@ -126,16 +130,16 @@ pub struct CeilingCameraModel {
     pub position_m: [Interval; 2],
     /// Rotation of the ceiling image about the vertical, counter-clockwise seen from above (bound `ceiling_camera.yaw`).
     pub yaw_rad: Interval,
-    /// Nominal angles by which the ceiling camera's optical axis leans from the body's vertical, given for yaw 0: towards forward and towards
-    /// left. They are the components of one rotation about a horizontal axis.
+    /// Nominal angles by which the ceiling camera's optical axis leans from the body's vertical, towards forward and towards left, for a camera with
+    /// yaw 0. They are the components of one rotation about a horizontal axis.
     pub lean_rad: [f64; 2],
-    /// Greatest angle between the optical axis and its nominal direction (bound `ceiling_camera.tilt`).
+    /// Greatest angle between the ceiling camera's optical axis and its nominal direction (bound `ceiling_camera.tilt`).
     pub tilt_rad: f64,
     /// Greatest error of a ceiling image's stamp (bound `ceiling_camera.stamp`).
     pub stamp_error_s: f64,
-    /// Least number of photoelectrons in one step of grey level; it determines the noise of bright pixels.
+    /// Least number of photoelectrons in one step of grey level of the ceiling camera; it determines the noise of bright pixels.
     pub electrons_per_grey: f64,
-    /// Greatest number of markers in one image that are not as the map says, `ceiling_markers.q_items`.
+    /// Greatest number of markers in one ceiling image that may differ from the map, `ceiling_markers.q_items`.
     pub q_items: usize,
 }
 
@@ -167,20 +171,21 @@ impl GyroModel {
     }
 }
 
-/// Model of a stereo or structured-light camera that measures landmarks by the columns at which its two views see them.
+/// Model of a range camera, a stereo or structured-light camera that measures landmarks by the columns at which its two views see them.
 ///
-/// Frame `sensor`: x right, z forward, origin at the optical centre of the first view. A point at (x, z) has the columns `left = centre + f·x/z`
-/// and `right = centre + f·(x − b)/z` (paper 3, Fig. 2), each rounded to a multiple of its view's step.
+/// Frame `sensor`: x right, z forward, origin at the optical centre of the first view. A point at (x, z) has the columns `left = centre + f·x/z` and
+/// `right = centre + f·(x − b)/z` (Fig. 2 of paper 3, Mustafa et al., CSCS 2015), with focal length f and baseline b; each is rounded to a multiple
+/// of its view's step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RangeCameraModel {
     /// Focal length of the range camera (bound `range_camera.focal`).
     pub focal_px: Interval,
     /// Distance between the optical centres of the range camera's two views (bound `range_camera.baseline`).
     pub baseline_m: Interval,
-    /// Column at which the optical axis meets the image.
+    /// Column at which the optical axis of either view of the range camera meets its image.
     pub centre_px: f64,
-    /// Twice the greatest error of a measured column, for the first and for the second view (bound `range_camera.columns`). Without noise these
-    /// are the steps to which columns are rounded.
+    /// Twice the greatest error of a column measured by the range camera, for the first and for the second view (bound `range_camera.columns`).
+    /// Without noise these are the steps to which columns are rounded.
     pub step_px: [f64; 2],
     /// Position of the first view's optical centre in the robot frame: forward and left (bound `range_camera.position`).
     pub position_m: [Interval; 2],
@@ -198,10 +203,11 @@ pub struct RangeCameraModel {
     pub latency_s: Interval,
     /// Least time between two range readings.
     pub period_s: f64,
-    /// Greatest number of wrong landmark correspondences in one range reading, `range_landmarks.q_items`.
+    /// Greatest number of landmarks in one range reading that may be taken for another landmark (wrong correspondences), `range_landmarks.q_items`.
     pub q_items: usize,
-    /// Where wrong correspondences are possible: least number of right ones between two wrong ones that are assigned to the same landmark, in the
-    /// order of measuring (bound `range_landmarks.wrong_spacing`).
+    /// Least number of right correspondences between two wrong ones that name the same landmark, in the order of measuring (bound
+    /// `range_landmarks.wrong_spacing`). A correspondence says which landmark a seen object is; the number matters only where wrong ones are
+    /// possible.
     pub wrong_spacing: usize,
 }
 
@@ -212,9 +218,9 @@ pub struct ForwardCameraModel {
     pub focal_px: Interval,
     /// Image point where the forward camera's optical axis meets the image (bound `forward_camera.principal_point`).
     pub principal_point_px: [Interval; 2],
-    /// Lens coefficients k1, k2, p1, p2, k3 of Brown and Conrady, as calibrated.
+    /// Coefficients k1, k2, p1, p2, k3 of Brown and Conrady's lens model for the forward camera, as calibrated.
     pub distortion: [f64; 5],
-    /// Greatest distance between a pixel and where the lens model puts it (bound `forward_camera.distortion`).
+    /// Greatest distance between a point in the forward image and where the lens model puts it (bound `forward_camera.distortion`).
     pub distortion_px: f64,
     /// Nominal upward tilt of the forward camera's optical axis.
     pub tilt_up_rad: f64,
@@ -238,7 +244,8 @@ pub struct FlowModel {
     pub scale_change: f64,
     /// Angle of the flow sensor's forward axis from the robot's, counter-clockwise (bound `flow.yaw`).
     pub yaw_rad: Interval,
-    /// Width of the interval that contains an axis' counting error at all stamps: 1 for whole counts.
+    /// Width, in counts, of an interval that contains the counting error along one axis of the flow sensor at all stamps: 1 where the sensor reports
+    /// whole counts.
     pub quantisation_counts: f64,
     /// Greatest path that the flow sensor travels forth and back within one period, beyond the distance between the period's end points (bound
     /// `flow.back_and_forth`).

@@ -13,7 +13,7 @@ use crate::{
     truth::randomness::{draw_within, stream},
 };
 
-/// Bounds of the base whose true values can lie outside, because wheels may be worn beyond what is declared.
+/// Declared bounds on the base that the true values can exceed, because wheels may be worn beyond what is declared.
 pub(crate) const CLIPPED: [Assumption; 2] = [bounds::WHEELS_RADIUS, bounds::WHEELS_TRACK];
 
 /// True dimensions of the robot's base, and the error of its clock.
@@ -57,7 +57,7 @@ impl DrawnBase {
         all
     }
 
-    /// Moves the true value behind the bound of this name back to the bound, if the draw or the wear put it beyond.
+    /// Moves the true value that the bound named `bound` limits back to the bound, if the draw or the wear put it beyond.
     pub(crate) fn clip(&mut self, bound: &str, robot: &Robot) {
         let near = |value: f64, nominal: f64, share: f64| value.clamp(nominal * (1.0 - share), nominal * (1.0 + share));
         match bound {
@@ -71,7 +71,7 @@ impl DrawnBase {
     }
 }
 
-/// Scene keys of the base from which the localizer's bounds are taken.
+/// Scene keys of the robot's base from which bounds of the localizer are taken.
 pub(crate) fn told_keys(robot: &mut Robot) -> Vec<ToldKey<'_>> {
     vec![
         ToldKey::is_share_of(&[bounds::WHEELS_RADIUS], &mut robot.wheel_radius_tolerance, robot.wheel_radius_m),

@@ -7,8 +7,8 @@ fn main() -> ExitCode {
     sim::cli::main()
 }
 
-/// Mesa's layer for choosing a device asks for a display. Where there is no display, the layer prints an error message although nothing
-/// is wrong; a variable of the environment switches the layer off.
+/// Switches off the Vulkan layer of the Mesa graphics drivers that chooses a device, by an environment variable. The layer asks for a display; where
+/// there is none, it prints an error message although nothing is wrong.
 #[allow(unsafe_code)]
 fn keep_mesa_quiet() {
     const LAYER_OFF: &str = "NODEVICE_SELECT";

@@ -52,7 +52,7 @@ fn main() {
     fs::write(folder.join("expected.txt"), expected).unwrap();
 }
 
-/// The series of images taken so far, and what is needed to take more.
+/// The images taken so far with the photon-transfer set-up, the folder that they go to, and the renderer and view with which more images are taken.
 struct Series<'a> {
     renderer: Renderer,
     world: RenderedWorld,

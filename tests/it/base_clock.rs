@@ -31,8 +31,8 @@ fn path_m(time_s: f64) -> f64 {
     0.25 * gathering_s * gathering_s + 0.5 * (time_s - gathering_s).max(0.0)
 }
 
-/// Greatest distance of the true x from the estimated boxes over three seconds, where the wheel stamps are late by `late_s` and the localizer is
-/// given `told_s` as the bound on that error.
+/// Greatest amount by which the true x lies outside of the estimated boxes during three seconds. The time stamps of the wheels are late by `late_s`,
+/// and the localizer is given `told_s` as the bound on that error.
 fn outside_m(late_s: f64, told_s: f64) -> f64 {
     let scene = robot(told_s);
     let (map, start) = (scene.map(), scene.start_box());
@@ -85,8 +85,8 @@ fn a_clock_that_is_off_is_paid_once_and_not_at_each_slot() {
         }
         localizer.estimate().pose.hull()[0].width()
     };
-    // Five seconds make some ten stored poses, but the clock's offset widens the box only once: by 0.7 m/s, the greatest declared speed, times 20
-    // ms, which is 14 mm to either side.
+    // In these five seconds the localizer stores about ten poses. The clock's offset must nevertheless widen the box only once: by 0.7 m/s, the
+    // greatest declared speed, times 20 ms, which is 14 mm to either side.
     let paid_m = width_m(STAMP_ERROR_S) - width_m(0.0);
     assert!((paid_m - 0.028).abs() < 0.003, "{paid_m}");
 }

@@ -1,5 +1,5 @@
-//! Tests of what is blamed when the truth is outside of the box: on records made by hand with one cause at a time, and on runs with a planted
-//! fault.
+//! Tests of what the judge blames (a broken bound, a false claim about an image, or the localizer itself) when the true pose is outside of the box:
+//! on records made by hand with one cause at a time, and on runs with a planted fault.
 
 use interval::Interval;
 use localizer::{
@@ -66,8 +66,9 @@ fn lose_the_truth(record: &mut RunRecord) {
     }
 }
 
-/// The verdict on a record made by hand, and the replays that the judge requested. A replay holds the truth if `holds` returns true for its
-/// changes.
+/// Judges a record made by hand; returns the verdict and the replays of the run that the judge requested in order to find the cause of a failure. A
+/// replay with changed conditions gives boxes that contain the true pose if `holds` returns true for its changes, and the record's own boxes
+/// otherwise.
 fn judged(scene: &Scene, lost: &RunRecord, holds: impl Fn(&[Change]) -> bool) -> (Verdict, Vec<Counterfactual>) {
     let mut asked_for = Vec::new();
     let verdict = judge(scene, lost, &mut |asked| {
@@ -81,7 +82,7 @@ fn judged(scene: &Scene, lost: &RunRecord, holds: impl Fn(&[Change]) -> bool) ->
     (verdict.unwrap(), asked_for)
 }
 
-/// The verdict on a record for which the judge must not request a simulated replay.
+/// The verdict on a record for which the judge must not request a replay of the run; the test fails if the judge requests one.
 fn judged_at_once(scene: &Scene, record: &RunRecord) -> Verdict {
     judge(scene, record, &mut |asked| panic!("asked for {asked:?}")).unwrap()
 }
@@ -131,7 +132,8 @@ fn a_truth_outside_without_a_cause_is_our_own_fault() {
 #[test]
 fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
     let mut scene = scene();
-    // A wheel that begins to spin between two steps accelerates at 10 m/s².
+    // The limit of acceleration is raised so that it is not broken as well: a wheel that begins to spin between two steps of the record accelerates
+    // at 10 m/s².
     scene.bounds.reach_acceleration_m_per_s2 = 11.0;
     let mut record = record(&scene);
     spin(&mut record, 0.01);
@@ -142,8 +144,8 @@ fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
     assert_eq!((verdict.violations.len(), slip.bound.as_str()), (1, "wheels.slip"));
     assert!((slip.from_s - 0.3).abs() < 0.011 && (slip.to_s - 0.4).abs() < 0.011, "{slip:?}");
     assert!((slip.true_value - 0.01).abs() < 1e-9, "{slip:?}");
-    // Slip is not drawn at random, so that it cannot be moved back to its bound for a replay. Instead the localizer is given the true slip, up to
-    // the last failure.
+    // Errors that were drawn at random can be moved back to their bound in a replay of the run, but slip is not drawn at random. The replay therefore
+    // gives the localizer the true slip as its bound, up to the last failure.
     let Counterfactual { changes, until_s, .. } = &asked[0];
     assert!(matches!(changes[..], [Change::Told { true_value, .. }] if (true_value - 0.01).abs() < 1e-9), "{asked:?}");
     assert_eq!((asked.len(), *until_s), (1, Some(1.0)));
@@ -158,7 +160,8 @@ fn a_violation_that_explains_nothing_is_no_excuse() {
     let mut record = record(&scene);
     spin(&mut record, 0.01);
     lose_the_truth(&mut record);
-    // As with a fault in a contractor, the true pose is still outside of the box when the localizer is given the true slip.
+    // Here the box still misses the true pose when the replay gives the localizer the true slip as its bound, as it would if a contractor had a
+    // fault: the exceeded slip bound is then not the cause.
     let (verdict, asked) = judged(&scene, &record, |_| false);
     assert_eq!((counts(&verdict), asked.len()), ([50, 0, 0, 51], 1));
     let first = verdict.containment.as_ref().unwrap().first_failure.clone().unwrap();
@@ -180,7 +183,7 @@ fn of_two_broken_bounds_the_one_that_matters_is_to_blame_or_both_together() {
         let holds = |changes: &[Change]| needed.iter().all(|name| told(changes).contains(name));
         let (verdict, asked) = judged(&scene, &record, holds);
         assert_eq!(counts(&verdict), [50, 51, 0, 0]);
-        // The judge simulates replays with either bound alone, then with both.
+        // The judge may request three replays at most: one without each of the two broken bounds, and one without both.
         assert!(asked.len() <= 3, "{asked:?}");
         assert_eq!(verdict.containment.as_ref().unwrap().first_failure.clone().unwrap().blame, blame);
     }
@@ -190,7 +193,7 @@ fn of_two_broken_bounds_the_one_that_matters_is_to_blame_or_both_together() {
 fn a_lucky_containment_does_not_clear_a_cause_and_a_later_failure_has_its_own() {
     let scene = scene();
     let mut record = record(&scene);
-    // The record is stretched in time by a factor of ten, so that the second failure lies more than 3 s after the cause.
+    // All times of the record are multiplied by ten, so that the second failure lies more than 3 s after the side slip that causes both failures.
     record.truths.iter_mut().for_each(|truth| truth.time_s *= 10.0);
     record.estimates.iter_mut().for_each(|estimate| estimate.time_s *= 10.0);
     record.truths.iter_mut().skip(10).for_each(|truth| truth.lateral_travel_m += 0.03);
@@ -200,7 +203,8 @@ fn a_lucky_containment_does_not_clear_a_cause_and_a_later_failure_has_its_own() 
     }
     let (verdict, _) = judged(&scene, &record, |_| true);
     assert_eq!(counts(&verdict), [80, 21, 0, 0]);
-    // If the replay holds the truth in the first span only, the failure in the second span is the localizer's own (unsound).
+    // The record has two failures, each over several steps. If the replay contains the true pose during the first failure only, the second one is the
+    // localizer's own fault (unsound).
     let verdict = judge(&scene, &record, &mut |_| {
         let mut again = self::record(&scene);
         again.estimates[91..].clone_from_slice(&record.estimates[91..]);
@@ -252,7 +256,7 @@ fn a_violated_bound_that_the_estimate_does_not_rely_on_is_no_excuse() {
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
 }
 
-/// An image at 0.40 s whose claim is a floor joint at `points_px`.
+/// The record of a floor-camera image at 0.40 s. The method claims of this image that the points `points_px` lie on a joint between floor tiles.
 fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
     ImageRecord {
         number: 0,
@@ -311,7 +315,7 @@ fn a_claim_of_a_joint_where_there_is_none_is_perceptions_fault() {
     assert_eq!(verdict.methods["floor_tiles"].false_claims, 1);
     assert_eq!(counts(&verdict), [50, 0, 51, 0]);
     assert_eq!(asked[0].changes, [Change::Withheld { readings: vec![(Some(Camera::Floor), 0.4)] }]);
-    // A false claim is no excuse if the true pose stays outside of the box without that claim.
+    // A false claim about an image does not excuse a failure if the box still misses the true pose in a replay without that image.
     assert_eq!(counts(&judged(&scene, &record, |_| false).0), [50, 0, 0, 51]);
 }
 
@@ -329,8 +333,8 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
 }
 
-/// Adds an image of walls to a record; its quota counts it together with all images before it, as `counting` says, and allows no false upright
-/// edge.
+/// Adds an image of the forward camera with claims about wall edges to a record. Its quota, the declared number of claims that may be false, allows
+/// `items` false claims, none of them about an upright edge; `counting` says how its claims are counted together with those of all images before it.
 fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting: Counting) {
     let image = image(record, Vec::new());
     let quota = Quota { items, upright: 0, n_held: record.images.len() + 1, counting };
@@ -363,8 +367,8 @@ fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
     let scene = scene();
     let counting = Counting::Together { share: 1.0 / 6.0, more: 5, readings: 14 };
     let upright = Claim::UprightLine { ends_px: [[100.0, 100.0], [110.0, 300.0]], bound_px: 0.3 };
-    // Computed by hand: of six edges 6/6 + 5 = 6 may be wrong, and of seven edges also 6. With a wrong upright edge in addition, no edge of an
-    // image counts as true.
+    // Computed by hand: of the claims about six wall edges 6/6 + 5 = 6 may be false, and of seven also 6. Claims about upright edges are left out of
+    // this count; but if one of them is false, all other claims of its image count as false, which are six again in the third case.
     for (claims, blamed) in [
         (vec![false_edge(); 6], [50, 0, 0, 51]),
         (vec![false_edge(); 7], [50, 0, 51, 0]),
@@ -377,7 +381,8 @@ fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
     }
 }
 
-/// A run without a camera along a straight line, with these events.
+/// Simulates a robot without a camera that drives along a straight line, with the events of the scene text `events`; returns the scene and the record
+/// of the run.
 fn drive(events: &str) -> (Scene, RunRecord) {
     let scene = Scene::parse(&blind_scene(8.0, events), "scene.toml").unwrap();
     let record = run(&scene, 3, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
@@ -393,7 +398,7 @@ fn tiles_too_small(scene: &Scene) -> Box<dyn Subject> {
     Box::new(IntervalLocalizer::from(localizer))
 }
 
-/// Whether a rule that goes by time alone would blame a bound for a failure: a bound that was exceeded at that step, or up to 3 s before it.
+/// Whether a simple rule by time would excuse a failure at `time_s`: some declared bound was exceeded at that time, or within the 3 s before it.
 fn is_excused_by_time(verdict: &Verdict, time_s: f64) -> bool {
     let overlaps = |broken: &Violation| broken.from_s <= time_s && time_s <= broken.to_s + 3.0;
     verdict.violations.iter().any(overlaps)
@@ -422,8 +427,8 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
             sound.containment
         );
         println!("seed {seed}: {:?}", faulty.containment);
-        // The second after the push is left out. In that time the push itself has shifted the boxes, and had it kept its bound, even the boxes
-        // that are too small would have held the true pose.
+        // Failures in the second after the push are not counted here. During that second the push itself has shifted the boxes: without the part of
+        // the push that exceeds the declared bound, even boxes that are 45 % too small would have contained the true pose.
         for (step, judgement) in faulty.judgements.iter().enumerate().filter(|(step, _)| !(200..300).contains(step)) {
             n_elsewhere += usize::from(*judgement != Judgement::Contained);
             n_excused += usize::from(*judgement == Judgement::BoundBroken);
@@ -440,7 +445,8 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
     );
     assert!(n_outside > 50 && 4 * n_unsound >= 3 * n_outside, "{n_unsound} of {n_outside} outside are unsound");
     assert!(20 * n_excused < n_elsewhere, "{n_excused} of {n_elsewhere} are blamed on the push later on");
-    // A rule that goes by time alone would blame the push for every failure up to 3 s after it; nearly all of these failures are unsound.
+    // A simple rule by time would excuse every failure within 3 s after the push; the judge must find nearly all of these failures to be the
+    // localizer's own fault (unsound).
     assert!(
         n_hidden_by_time > 100 && 10 * n_hidden_and_unsound >= 9 * n_hidden_by_time,
         "{n_hidden_and_unsound} of {n_hidden_by_time} that a rule by time would hide are unsound"
@@ -473,7 +479,7 @@ fn a_fault_of_the_gyroscope_is_unsound_beside_noise_that_leaves_its_band() {
         let sound = verdict_of(&scene, &of(&IntervalLocalizer::boxed));
         assert_eq!(sound.containment.as_ref().unwrap().unsound, 0, "seed {seed}: {:?}", sound.containment);
         let record = of(&bias_too_small);
-        // Only seeds are counted whose gyroscope bias lies mostly beyond what the faulty localizer assumes.
+        // Only seeds are counted whose true gyroscope bias lies clearly beyond the narrow bounds that the faulty localizer assumes.
         if record.drawn.devices.gyro.unwrap().bias_rad_per_s.to_degrees().abs() < 0.04 {
             continue;
         }
@@ -481,7 +487,8 @@ fn a_fault_of_the_gyroscope_is_unsound_beside_noise_that_leaves_its_band() {
         n_outside += faulty.containment.as_ref().unwrap().checks - faulty.containment.as_ref().unwrap().contained;
         n_unsound += faulty.containment.as_ref().unwrap().unsound;
         println!("seed {seed}: {:?} {:?}", sound.containment, faulty.containment);
-        // If the localizer were given the gyroscope's error band as wide as it really was, the fault would be hidden.
+        // If the judge blamed every failure that disappears when the localizer is given the true width of the gyroscope's error band, the fault of
+        // the localizer would stay hidden. The steps that would be hidden in this way are counted here.
         let Some(broken) = faulty.violations.iter().find(|broken| broken.bound == "gyro.angle") else { continue };
         let (declared, true_value) = (broken.declared, broken.true_value);
         let told = Change::Told { bound: broken.bound.clone(), declared, true_value, exceeded: Vec::new() };
@@ -550,7 +557,8 @@ fn what_is_moved_back_lies_at_its_bound_and_nothing_else_moves() {
     let [x_m, y_m] = placed.place.markers[0].centre_m;
     let tolerance_m = scene.markers.as_ref().unwrap().placement_tolerance_m;
     assert!(((x_m - 1.0).hypot(y_m - 1.0) - tolerance_m).abs() < 1e-12, "{x_m} {y_m}");
-    // The moved marker's dots move with it; the other marker stays, and so do the tiles.
+    // When the judge moves a misplaced marker back to its bound, the dots of that marker move with it, while the other marker and the floor tiles
+    // stay where they were drawn.
     let dot = |drawn: &Drawn| drawn.place.markers[0].dots[0].centre_in_world.y - drawn.place.markers[0].centre_m[1];
     assert!((dot(&placed) - dot(&record.drawn)).abs() < 1e-12);
     assert_eq!(placed.place.markers[1], record.drawn.place.markers[1]);

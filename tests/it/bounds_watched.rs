@@ -30,8 +30,9 @@ fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<
 
 #[test]
 fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
-    // The runs use all four methods and the gyroscope; then they learn the gyroscope's errors with and without a bound on its angle and at rest,
-    // and use the flow sensor.
+    // The runs together rely on every bound. The first ones use the four methods of a home (floor tiles, ceiling markers, wall directions,
+    // landmarks), the gyroscope and satellite navigation; others learn the gyroscope's errors with and without a declared bound on its angle and at
+    // rest, and use the flow sensor.
     let runs = [
         named("home.toml", 1.0, |_| {}),
         named("tiles.toml", 0.5, |scene| scene.robot.delivery.stamp_tolerance_s = 0.0005),
@@ -72,7 +73,8 @@ fn a_bound_told_wider_is_told() {
         let record =
             run(&short, 1, &mut IntervalLocalizer::of(&short), renderer.as_mut(), &RunOptions::default(), &mut |_| {})
                 .unwrap();
-        // The bound on the gyroscope's angle is infinite unless it is declared, and cannot be made wider then.
+        // The bound on the angle error that the gyroscope accumulates is infinite where a scene does not declare it. It cannot be made wider then,
+        // and is left out.
         let bounds_angle = scene.robot.gyro.as_ref().is_some_and(|gyro| gyro.angle_floor_deg.is_some());
         for bound in watched(&scene, &record).into_iter().filter(|bound| bounds_angle || *bound != bounds::GYRO_ANGLE) {
             let mut wider = scene.clone();

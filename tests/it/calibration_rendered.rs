@@ -52,7 +52,8 @@ fn before_board(index: usize) -> Isometry3<f64> {
     let place = vector![0.04 * (TAU * share * 2.0).cos(), 0.02 * (TAU * share * 5.0).sin(), depth];
     let camera_from_board =
         Isometry3::from_parts(place.into(), UnitQuaternion::from_rotation_matrix(&camera_from_board));
-    // Board x is world x as seen from the room, board y is down, and board z points into the wall, towards greater world y.
+    // Frame of the chessboard on the wall: x is world x, from left to right for a viewer in the room, y is down, and z points into the wall, towards
+    // greater world y.
     let columns = nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0);
     let world_from_board =
         Isometry3::from_parts(Translation3::from(Vector3::from(BOARD_MIDDLE_M)), UnitQuaternion::from_matrix(&columns));
@@ -159,7 +160,7 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
     for seed in [1, 2] {
         let drawn = Drawn::draw(&scene, seed);
         let pose = |stop: usize| {
-            // Each spin on the spot is about another point and starts at another heading.
+            // For each of several spins the robot turns on the spot at another point and begins with another heading.
             let spin = (stop / N_STOPS) as f64;
             let (sin, cos) = (1.3 * spin).sin_cos();
             let heading_rad = 0.37 * spin + TAU * (stop % N_STOPS) as f64 / N_STOPS as f64;
@@ -185,7 +186,8 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
         println!("seed {seed}: radius {radius_m} m off by {off_m:e} m, direction by {off_deg}°, rms {} m", found.rms_m);
         assert!(off_m.abs() < 0.0005, "seed {seed}: {found:?}, truth {truth:?}");
         assert!(off_deg.abs() < 0.2, "seed {seed}: {off_deg}°, {found:?}, truth {truth:?}");
-        // The true position differs from the declared one, because it was drawn at random, so that the declared one would fail the test.
+        // The camera's true position was drawn at random and is more than 1 mm from the declared one, so that a calibration that only returned the
+        // declared position would fail this test.
         assert!((truth.x - 0.08).hypot(truth.y - 0.03) > 0.001, "seed {seed}: {truth:?}");
     }
 }

@@ -33,7 +33,7 @@ fn what_a_scene_states_stays_and_all_else_is_a_careful_users() {
     assert_eq!((scene.bounds.body_tilt_deg, scene.bounds.body_heave_m), (0.9, 0.0008));
     assert_eq!(scene.floor.tiles.as_ref().unwrap().laying_tolerance_m, 0.003);
     assert!(scene.robot.gyro.is_none() && scene.robot.flow.is_none() && scene.robot.forward_camera.is_none());
-    // Keys that are not tolerances are unchanged: the camera is still the P3-DX's.
+    // Keys of the scene that are no tolerances are unchanged by the choice of bounds: camera height and track are still those of the P3-DX robot.
     assert_eq!((camera.height_m, scene.robot.track_m), (0.25, 0.33));
 
     let throughout = parse(THROUGHOUT, stated);
@@ -103,7 +103,8 @@ fn a_key_that_names_no_bounds_is_refused() {
     assert!(shown.contains("laboratory") && shown.contains("careful_user"), "{shown}");
 }
 
-/// A scene of the repository with a careful user's bounds, shortened to `duration_s`.
+/// A scene of the repository, shortened to `duration_s`. Bounds that it states more narrowly than a careful user can know them are widened to what
+/// such a user can know.
 fn careful(path: &str, duration_s: f64, errors: &str) -> Scene {
     let settings: Vec<Setting> = [
         "bounds_from=careful_user_throughout".to_owned(),

@@ -25,7 +25,7 @@ fn on_carpet(heading_deg: f64, keys: serde_json::Value) -> Scene {
     }))
 }
 
-/// Wheel speeds of a nominal vacuum robot for this speed and turn rate.
+/// Speeds of the two wheels of a vacuum robot with nominal dimensions that make it drive with the given speed and turn rate.
 fn vacuum_command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
     let half_turn_m_per_s = 0.5 * 0.23 * turn_rad_per_s;
     WheelCommand {
@@ -191,7 +191,8 @@ fn a_robot_at_rest_drifts_less_than_five_micrometres_an_hour() {
 
 #[test]
 fn a_restored_snapshot_goes_on_with_the_same_bytes() {
-    // The scene has a wall, a person, a push, the edge of a carpet, a stuck wheel and a lift: everything that has a state.
+    // The scene contains everything of the simulated world that changes with time and that a snapshot therefore has to restore: a wall to touch, a
+    // person, a push, a carpet's edge, a stuck wheel and a lift.
     let scene = scene(serde_json::json!({
         "robot": { "preset": "vacuum" },
         "room": { "width_m": 3.0, "depth_m": 3.0 },

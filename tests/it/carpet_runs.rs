@@ -54,7 +54,8 @@ fn nothing_goes_wrong_where_every_bound_holds_and_flow_narrows_the_box() {
     }
 }
 
-/// Runs an event with the flow sensor and asserts that every bound that is blamed has one of these names, and that one of them is broken.
+/// Simulates an event with the flow sensor in use for three seeds. Asserts that the judge blames no other bound than those in `names` for the first
+/// failure, and that one of these bounds is exceeded in every run.
 fn assert_told(event: serde_json::Value, names: &[&str]) -> Vec<Verdict> {
     (0..3)
         .map(|seed| {
@@ -155,6 +156,7 @@ fn worn_wheels_and_a_conventional_flow_sensor_break_their_own_bounds() {
         (0, 0)
     );
     let broken = verdict.violations.iter().find(|violation| violation.bound == "flow.scale").unwrap();
-    // The scale of the flow sensor changes by the pile's height of 1 mm, and by a tenth of a millimetre more where the body pitches.
+    // The scale of a conventional flow sensor is off by the height of the carpet's pile, 1 mm, and by a tenth of a millimetre more where the body
+    // pitches.
     assert!((0.145..0.170).contains(&broken.true_value), "{broken:?}");
 }

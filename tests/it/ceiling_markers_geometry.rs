@@ -18,7 +18,7 @@ const TILT_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 const HEAVE_M: f64 = 0.0002;
 const CEILING_M: f64 = 2.8;
 
-/// A random share of a bound, from −1 to 1; half of the time it is −1 or 1.
+/// A random factor from −1 to 1 for an error bound; half of the time it is −1 or 1, so that the error is as great as the bound allows.
 fn corner(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
 }
@@ -27,7 +27,7 @@ fn drawn(rng: &mut ChaCha8Rng, interval: Interval) -> f64 {
     (interval.mid() + corner(rng) * interval.radius()).clamp(interval.lo(), interval.hi())
 }
 
-/// A random rotation by at most `size` about a horizontal axis.
+/// A random rotation by at most `size` radians about a horizontal axis.
 fn tilt(rng: &mut ChaCha8Rng, size: f64) -> UnitQuaternion<f64> {
     let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), size * corner(rng));
     UnitQuaternion::from_scaled_axis(Vector3::new(angle.cos(), angle.sin(), 0.0) * size)
@@ -145,8 +145,8 @@ impl Situation {
         ]));
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), drawn(rng, camera.yaw_rad));
         let (lean, error) = (UnitQuaternion::from_scaled_axis(lean), tilt(rng, camera.tilt_rad));
-        // The error of the mount is applied before or after its lean, because the declared bound limits the angle of the optical axis in either
-        // order.
+        // The camera is mounted with a lean and a small error of that lean. The error is applied at random before or after the lean, because the
+        // declared bound limits the angle of the optical axis in either order.
         let posture = if rng.random::<bool>() { error * lean } else { lean * error };
         let place = [drawn(rng, camera.position_m[0]), drawn(rng, camera.position_m[1]), drawn(rng, camera.height_m)];
         let body_from_camera =
@@ -218,7 +218,7 @@ impl Situation {
             .expect("a ceiling camera and markers")
     }
 
-    /// The poses of a prior that remain after the markers' constraint.
+    /// The poses of a prior box that are left once the constraint from the seen markers has been applied.
     fn located(&self, seen: Seen, prior: &PoseBox) -> PoseUnion {
         let constraint = self.method().constraint(0.0, seen).expect("markers on the map");
         PoseUnion { branches: constraint.on_pose.branches(prior) }
@@ -236,8 +236,8 @@ impl Situation {
     }
 }
 
-/// A random camera of one of all kinds: upright, leaning by up to 10° known to 0.05°, with a distorting lens, with a wrong stamp, with a turned
-/// mount.
+/// A camera of random kind: each of the following is present or absent at random: a lean by up to 10° that is declared to within 0.05°, lens
+/// distortion, an error of the images' time stamps, a turned mount.
 fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
     let mut camera = camera();
     if rng.random::<bool>() {
@@ -331,9 +331,9 @@ fn one_marker_overhead_gives_position_to_the_tilts_and_heading_to_a_fraction_of_
         let hull = union.hull();
         (0..3).for_each(|axis| widths[axis] += hull.width(axis) / 200.0);
     }
-    // Half-widths of the box computed by hand, in mm: tilts of body and mount by 0.05° over 2.8 m and 2.6 m give 4.72, marker placement gives 0.5.
-    // The mount's position (0.3) and the principal point (1.38) are squares turned by any angle, wider by 4/π on average: 2.1. A dot's print and
-    // pixel bound give 0.15. The sum is 7.5, less what is gained at the corners of the squares.
+    // Expected half-widths of the position's box in mm, computed by hand: tilts of body and mount by 0.05° over 2.8 m and 2.6 m give 4.72, marker
+    // placement gives 0.5. The mount's position (0.3) and the principal point (1.38) are known within squares that are turned by any angle, wider by
+    // 4/π on average: 2.1. A dot's print and pixel bound give 0.15. The sum is 7.5, less what is gained at the corners of the squares.
     println!("widths {:.2} mm {:.2} mm {:.3} deg", 1e3 * widths[0], 1e3 * widths[1], widths[2].to_degrees());
     assert!(widths[..2].iter().all(|width| (0.0142..0.0162).contains(width)), "{widths:?}");
     assert!(widths[2].to_degrees() < 0.6, "{widths:?}");
@@ -356,7 +356,8 @@ fn a_marker_that_is_not_where_the_map_says_costs_nothing_when_one_may_be_wrong()
         assert!(!situation.holds(&union), "round {round}");
         emptied += usize::from(union.branches.is_empty());
     }
-    // If no marker may be wrong, the contradiction is noticed: no pose is left.
+    // If it is declared that no marker hangs at a wrong place, the misplaced marker contradicts the other two, and no pose is left in nearly all
+    // rounds.
     assert!(emptied >= 95, "{emptied} of 100");
 }
 

@@ -16,7 +16,7 @@ use sim::{run::sensors::still::Still, scene::Scene, world::Drawn};
 
 use crate::render_studio::renderer;
 
-/// A room of 5 m by 4 m and a robot with a camera that looks up; `more` follows the header of the scene's `[markers]` table.
+/// A room of 5 m by 4 m and a robot with a camera that looks up; `more` holds the keys of the scene's table `[markers]` and what follows it.
 fn room(more: &str) -> Scene {
     let text = format!(
         "[room]\nwidth_m = 5.0\ndepth_m = 4.0\n[start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n\
@@ -25,7 +25,7 @@ fn room(more: &str) -> Scene {
     Scene::parse(&text, "room.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// Marker keys that set every tolerance to 0.
+/// Keys of a scene's markers that set the tolerances of placement, rotation, print and height to 0.
 const EXACT: &str =
     "placement_tolerance_m = 0\nrotation_tolerance_deg = 0\nprint_tolerance_m = 0\nheight_tolerance_m = 0\n";
 const EXACT_CAMERA: &str = "[robot.ceiling_camera.calibration]\nposition_tolerance_m = 0\nangle_tolerance_deg = 0\n\
@@ -44,7 +44,8 @@ fn picture(scene: &Scene, drawn: &Drawn, pose: Pose) -> Still {
         .remove(0)
 }
 
-/// The markers that vision reads, and the number of candidate grids that it refuses.
+/// Reads markers in an image. Returns the markers that were identified, and the number of candidates, groups of dots on a marker's grid, that were
+/// rejected.
 fn read(scene: &Scene, still: &Still) -> (Vec<SeenMarker>, usize) {
     let (camera, map) = (scene.robot_model().ceiling_camera.unwrap(), scene.map().markers.unwrap());
     let view = CeilingView::new(755.0, [2.28, 2.31], 0.005, camera.electrons_per_grey);
@@ -60,8 +61,8 @@ fn ids(seen: &[SeenMarker]) -> Vec<u16> {
 
 #[test]
 fn markers_are_seen_where_and_how_a_hand_puts_them() {
-    // In an image taken from below, image down is robot forward and image right is robot right; focal length over the depth of 2.299 m is 328
-    // px/m.
+    // In an image of a camera that looks up, image down is robot forward and image right is robot right. The dots are 2.299 m above the camera, so
+    // that 328 px of the image show a metre of the ceiling (focal length over depth).
     let scene = room(&format!(
         "{EXACT}{}{}{}{EXACT_CAMERA}",
         marker(125, [2.3, 1.5], 0.0, ""),
@@ -148,7 +149,8 @@ fn no_damaged_hexad_is_read_as_another() {
     let drawn = Drawn::draw(&scene, 0);
     let still = picture(&scene, &drawn, Pose { x_m: 2.0, y_m: 1.5, heading_rad: 0.4 });
     let (seen, refused) = read(&scene, &still);
-    // Both markers with the identity 125 are read as 125; that there are two of them is for the method to notice.
+    // Two markers on the ceiling have the identity 125, and image processing must report both as 125; it is the localization method that has to
+    // notice the duplicate.
     assert_eq!(ids(&seen), [125, 125], "refused {refused}");
     assert!(refused >= 2, "{refused} refused");
     let on_ceiling: Vec<usize> = drawn.place.markers.iter().map(|marker| marker.index).collect();

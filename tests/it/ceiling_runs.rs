@@ -13,8 +13,8 @@ use crate::{
     render_studio::judged,
 };
 
-/// A room with four ceiling markers and a tube lamp, seen by a camera with a small image and the field of view of the paper's. `more` comes before
-/// the table of markers.
+/// Text of a scene file with a room that has four ceiling markers and a tube lamp, seen by a camera with a small image and the field of view of the
+/// camera in paper 5 (ceiling markers). `more` is inserted before the table of markers.
 fn text(more: &str) -> String {
     let head = "duration_s = 3.0\n[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[robot]\nfloor_camera = false\nERRORS\
         [robot.ceiling_camera]\nwidth_px = 320\nheight_px = 240\nfocal_px = [300.0, 300.0]\n\
@@ -71,7 +71,8 @@ fn a_claim_is_true_of_its_own_marker_and_dots_alone() {
             assert!(!is_so(&Claim::Marker { marker: localizer::markers::MarkerId(other), dots_px: dots_px.clone() }));
             for axis in 0..2 {
                 let mut shifted = dots_px.clone();
-                // A dot shifted by twice the bound lies beyond the bound, wherever within it the dot was before.
+                // The dot's image position is shifted by a little more than twice its bound, so that it is beyond the bound wherever within it the
+                // dot was before.
                 shifted[0].1[axis] += 2.0 * shifted[0].1[2] + 1e-6;
                 assert!(!is_so(&Claim::Marker { marker: *marker, dots_px: shifted }));
             }
@@ -125,7 +126,8 @@ fn every_bound_of_camera_and_markers_is_watched() {
     ] {
         assert!(found.iter().any(|name| name == bound), "{bound} is not among {found:?}");
     }
-    // A stamp error is checked against the bound that was declared when the stamp was given.
+    // The error of a time stamp is checked while the run is simulated, against the bound declared for that run, so that it is not in this list. The
+    // record keeps the greatest stamp error, which exceeds the tolerance of the second, tighter scene.
     assert!(record.bounds.greatest["ceiling_camera.stamp"] > tight.robot.ceiling_camera.unwrap().stamp_tolerance_s);
 }
 
@@ -209,7 +211,8 @@ fn the_papers_tables_agree_with_themselves_and_with_the_boxes() {
     };
     let own = product(&errors_m, &confidences, [error_m, confidence])
         / (product(&errors_m, &errors_m, [error_m; 2]) * product(&confidences, &confidences, [confidence; 2])).sqrt();
-    // The paper's confidence P(S) is printed to two digits only, while it varies by a tenth, so that the agreement is rough.
+    // The confidence P(S), which paper 5 (ceiling markers) computes for each sighting, is printed to only two digits and varies by no more than a
+    // tenth, so that the correlation computed from the printed table agrees with the run's figure only roughly.
     assert!((own - stated).abs() < 0.1, "{own} {stated}");
     assert!(text.contains(&format!("position {stated:+.3}")), "{text}");
 }

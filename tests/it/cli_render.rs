@@ -47,7 +47,8 @@ fn an_adapter_is_chosen_by_flag() {
     let (code, _, error) = outcome(&mut wherein(&folder, &["render", "room.toml", "--adapter", "of no maker"]));
     assert_eq!(code, 2);
     assert!(error.contains("\"of no maker\" (--adapter or WHEREIN_ADAPTER)") && error.contains("found: "), "{error}");
-    // The command-line flag takes precedence over the environment variable.
+    // The graphics adapter named by the command-line flag `--adapter` takes precedence over the one named by the environment variable
+    // `WHEREIN_ADAPTER`.
     let (code, found, _) = outcome(&mut wherein(&folder, &["adapter"]));
     assert_eq!(code, 0);
     let name = found.split(' ').next().unwrap();
@@ -102,7 +103,7 @@ fn what_cannot_be_rendered_is_refused_with_its_reason() {
             &["render", "seeing.toml", "--at", "9,1,0"],
             "failed to render seeing.toml --at 9,1: outside the room, expected x from 0.25 to 2.75 and y from 0.25 to 1.75",
         ),
-        // One pose in a wall, and one at which the robot's body would be in a wall.
+        // Two poses that must be refused: at one the robot's origin is in a wall, at the other only the edge of the robot's body.
         (&["render", "seeing.toml", "--at", "1,2,90"], "outside the room"),
         (&["render", "seeing.toml", "--at", "1,0.1,90"], "as the robot's body reaches 0.25 m about its origin"),
         (

@@ -38,7 +38,7 @@ pub(crate) fn outcome(command: &mut Command) -> (i32, String, String) {
     (status.code().unwrap(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
 }
 
-/// A scene without a camera, so that a run takes milliseconds; `more` is appended to it.
+/// Text of a scene without a camera, so that a run takes milliseconds. `more` is appended to that text.
 pub(crate) fn blind_scene(duration_s: f64, more: &str) -> String {
     format!(
         "duration_s = {duration_s}\n[room]\nwidth_m = 3.0\ndepth_m = 2.0\n[robot]\nfloor_camera = false\n\

@@ -40,7 +40,7 @@ fn polar_is_optimal_within_and_across_quadrants() {
     Polar.contract(&mut top);
     assert_close(top[0], -1.0, 1.0);
     assert_close(top[1], 0.75f64.sqrt(), 2.0);
-    // The heading of a vector is found on the right turn, in the third quadrant: atan2(−1, −1) + 2π · 3.
+    // The vector points into the third quadrant, and its heading is found on the right one of several whole turns: atan2(−1, −1) + 2π · 3.
     let mut heading =
         IntervalBox::new([Interval::point(-1.0), Interval::point(-1.0), whole, Interval::new(18.0, 24.0)]);
     Polar.contract(&mut heading);
@@ -64,7 +64,7 @@ fn pinhole_needs_no_division_by_a_depth_that_may_be_zero() {
     let camera = Pinhole { focal_px: Interval::point(320.0) };
     let anywhere = Interval::new(-100.0, 100.0);
     let depth = Interval::new(-1.0, 8.0);
-    // The image column u = 80 means a slope of a quarter: from x = z / 4 ≥ 1 follows z ≥ 4, and from z ≤ 8 follows x ≤ 2.
+    // With the focal length of 320 px, the image column u = 80 means x / z = 1/4: from x = z / 4 ≥ 1 follows z ≥ 4, and from z ≤ 8 follows x ≤ 2.
     let mut point = IntervalBox::new([Interval::new(1.0, 9.0), anywhere, depth, Interval::point(80.0), Interval::ZERO]);
     camera.contract(&mut point);
     assert_close(point[0], 1.0, 2.0);
@@ -93,7 +93,8 @@ fn two_errors_of_the_same_size_are_two_errors() {
 
 #[test]
 fn an_inverse_image_contracts_through_its_formulas() {
-    // Points at distance 5 in a frame that is moved and turned by a quarter turn: (y − 1, −x).
+    // The constraint is that points lie at distance 5 from the origin of a frame that is moved by 1 along y and turned by a quarter turn: in that
+    // frame, (x, y) is (y − 1, −x).
     let moved =
         Inverse::new(|[x, y]| [y - 1.0, -x], Distance { centre: [Interval::ZERO; 2], distance: Interval::point(5.0) });
     let mut domain = IntervalBox::new([Interval::new(4.0, 9.0), Interval::new(1.0, 9.0)]);
@@ -144,7 +145,7 @@ fn sets_combine_by_and_or_and_complement() {
 
 #[test]
 fn only_the_chosen_axes_are_bisected() {
-    // Here y is a function of x, so that bisecting x alone narrows y by contraction.
+    // The constraint makes y a function of x (y = x²), so that contraction narrows y when only x is bisected.
     let line = ForwardBackward::new(|[x, y]| y - x.sqr(), Interval::ZERO);
     let domain = IntervalBox::new([Interval::new(0.0, 1.0), Interval::new(-5.0, 5.0)]);
     let cover = paving::cover(&line, domain, &[0], 0.26);
@@ -160,7 +161,8 @@ fn a_heading_known_but_for_whole_turns_stays_a_union() {
     let motion = RigidPlanar::new(&landmarks);
     let domain = IntervalBox::new([Interval::new(-1.0, 1.0), Interval::new(-1.0, 1.0), Interval::new(-10.0, 10.0)]);
     let branches = motion.branches(&domain);
-    // The heading is a quarter turn plus whole turns: −7π/2 lies outside of the domain, and −3π/2, π/2 and 5π/2 lie inside.
+    // The true heading is a quarter turn plus any number of whole turns. Within the given domain of ±10 rad that is −3π/2, π/2 or 5π/2; −7π/2 lies
+    // outside.
     assert_eq!(branches.len(), 3);
     for (branch, quarter_turns) in branches.iter().zip([-3.0, 1.0, 5.0]) {
         assert!(branch[2].contains(quarter_turns * std::f64::consts::FRAC_PI_2) && branch[2].width() < 0.1);
@@ -188,7 +190,8 @@ fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
     let (landmarks, truth) = four_landmarks();
     let prior = IntervalBox::new([Interval::new(-3.0, 3.0); 3]);
     let motion = RigidPlanar::new(&landmarks);
-    // The reference solution uses no linearisation: it has a plain forward-backward contractor for each coordinate.
+    // The reference, with which the fast solver's box is compared, is found by bisection with a plain forward-backward contractor for each
+    // coordinate, without linearisation.
     let mut plain: Vec<ForwardBackward<3>> = Vec::new();
     for (a, b) in &landmarks {
         let ([a_x, a_y], [b_x, b_y]) = (*a, *b);
@@ -206,7 +209,8 @@ fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
         let ratio = pose.width(axis) / reference.width(axis);
         assert!(ratio < 1.1, "axis {axis} is {ratio} times as wide as by bisection");
     }
-    // The result of linear elimination alone, from which the slices of heading start, is already close to the reference.
+    // The solver `LinearPose` first eliminates variables linearly and then divides the heading into slices. The box after the elimination alone (no
+    // slices) is already close to the reference.
     let mut eliminated = prior;
     LinearPose { motion, n_slices: 0 }.contract(&mut eliminated);
     assert!((0..3).all(|axis| eliminated.width(axis) < 1.25 * reference.width(axis)));

@@ -13,7 +13,7 @@ use localizer::rigid_motion::{Landmark, LinearPose, RelaxedPose, RigidPlanar, Ri
 /// Time after which a contractor counts as one that never returns: a thousand times what the slowest of them takes.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Extreme intervals of all kinds; the first ones contain the given component of the solution.
+/// Extreme intervals of all kinds. The first ones contain the number `solution`, which is one component of a solution of the problem under test.
 fn extremes(solution: f64) -> Vec<Interval> {
     vec![
         Interval::ENTIRE,
@@ -31,8 +31,8 @@ fn extremes(solution: f64) -> Vec<Interval> {
     ]
 }
 
-/// All boxes with extreme sides. For more than three variables only boxes with one extreme side among bounded ones, and boxes whose sides are of
-/// the same kind.
+/// Boxes for the tests of contractors, whose sides are the intervals of `extremes`: all combinations for up to three variables. For more variables
+/// only boxes with one extreme side among bounded ones, and boxes whose sides are of the same kind.
 fn boxes<const N: usize>(solution: [f64; N]) -> Vec<IntervalBox<N>> {
     let sides = solution.map(extremes);
     let n_kinds = sides[0].len();
@@ -57,7 +57,8 @@ fn boxes<const N: usize>(solution: [f64; N]) -> Vec<IntervalBox<N>> {
     boxes
 }
 
-/// Contracts and branches a box, and fails if a solution is lost or a result is not inside the box.
+/// Applies a contractor to a box, both as a single contraction and as one that returns a union of boxes (branches). Fails if the solution is lost or
+/// if a result is not inside the given box.
 fn answer<const N: usize>(name: &str, contractor: &dyn Contractor<N>, domain: IntervalBox<N>, solution: [f64; N]) {
     let mut contracted = domain;
     contractor.contract(&mut contracted);
@@ -155,7 +156,7 @@ fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
     answers("Periodic", Periodic { period: near(0.3), offset: near(0.1) }, [3.1], 1);
     answers("Periodic", Periodic { period: Interval::new(0.0, 0.3), offset: near(0.1) }, [3.1], 1);
     answers("Pinhole", Pinhole { focal_px: near(500.0) }, [1.0, 2.0, 4.0, 125.0, 250.0], 1);
-    // Few vectors of doubles have exactly the length that a double states for them, so one along x is used.
+    // The tested solution is a vector along x, because few vectors with coordinates in doubles have a length that is exactly a double.
     answers("Polar", Polar, [2.0, 0.0, 2.0, 0.0], 1);
     let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), near(25.0));
     answers("ForwardBackward", ring.fixpoint(0.01), [3.0, 4.0], 1);
@@ -172,7 +173,8 @@ fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
 fn reverses_of_periodic_functions_keep_angles_far_from_zero() {
     for angle_rad in [0.9e12, 1.1e12, 2.0e12, 3.3e15, 7.0e100_f64] {
         for angle_rad in [angle_rad, -angle_rad] {
-            // The sine, cosine and tangent of the standard library are right to some 1e-15, and a tangent may be far greater than 1.
+            // The intervals that must contain the angle's sine, cosine and tangent have room for the rounding of the standard library, some 1e-15,
+            // and for tangents far greater than 1.
             let near = |value: f64| Interval::new(value - 1e-12, value + 1e-12);
             let tangent = angle_rad.tan();
             let known = [

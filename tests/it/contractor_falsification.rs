@@ -74,7 +74,8 @@ fn rigid_contractors_never_lose_the_truth() {
             motion.contract(&mut domain);
             assert!(domain.contains(&truth), "trial {trial}: pass lost {truth:?}, left {domain:?} of {prior:?}");
         }
-        // The solver with slices of heading repeats the same pass and costs the most, so that it is tested on every eighth problem only.
+        // The solver that divides the heading into slices repeats the same computation for each slice and costs the most, so that slices are tested
+        // on every eighth problem only.
         for n_slices in if trial % 8 == 0 { [0, 3].as_slice() } else { &[0] } {
             let n_slices = *n_slices;
             let branches = LinearPose { motion: motion.clone(), n_slices }.branches(&prior);

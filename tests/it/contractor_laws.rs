@@ -41,7 +41,7 @@ fn check_laws<const N: usize>(contractor: &impl Contractor<N>, domain: IntervalB
     let branches = contractor.branches(&domain);
     assert!(branches.iter().any(|branch| branch.contains(&solution)), "{solution:?} is in no branch of {domain:?}");
     assert!(branches.iter().all(|branch| !branch.is_empty() && branch.is_subset_of(&domain)));
-    // Repeated contraction ends at a fixpoint, where the box no longer changes.
+    // Contraction is repeated until the box no longer changes (a fixpoint); no pass may enlarge the box or lose the solution.
     let mut fixpoint = contracted;
     for _ in 0..5000 {
         let before = fixpoint;
@@ -73,7 +73,8 @@ proptest! {
         range in prop_oneof![Just(0.0), 0.0..20.0f64], angle in -20.0..20.0f64,
         quarter in any::<bool>(), s in proptest::collection::vec(surroundings(), 4),
     ) {
-        // Quadrants meet at headings along the axes, so half of the test's angles are multiples of a quarter turn.
+        // The contractor treats each quadrant of a heading by itself. Quadrants meet at headings along the axes, so half of the test's angles are
+        // multiples of a quarter turn.
         let angle = if quarter { (angle / 1.6).round() * std::f64::consts::FRAC_PI_2 } else { angle };
         let solution = [range * angle.cos(), range * angle.sin(), range, angle];
         let domain = IntervalBox::new(std::array::from_fn(|idx| around(solution[idx], s[idx].0, s[idx].1)));
@@ -160,7 +161,7 @@ fn landmark_problem(n_wrong: usize) -> impl Strategy<Value = (Vec<Landmark>, Int
                 let shift = if index < n_right { 0.0 } else { 4.0 };
                 ([interval(a + shift, 0), interval(b, 1)], [interval(in_robot[0], 2), interval(in_robot[1], 3)])
             });
-            // An entirely unknown heading, and a heading that is bounded on one side only, are tested as well.
+            // Besides narrow intervals, a heading that is entirely unknown and a heading that is bounded on one side only are tested.
             let known = match known {
                 0 => Interval::ENTIRE,
                 1 => Interval::new(heading, f64::INFINITY),

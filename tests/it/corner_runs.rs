@@ -51,7 +51,7 @@ fn contained(path: &str, duration_s: f64, errors: Distribution, seed: u64) -> Ru
     record
 }
 
-/// The box that would result from a fault that makes boxes 45 % too small about their middle, along the given axes.
+/// The box that a fault would give that makes boxes 45 % narrower, about their middle, along the given axes of the pose.
 fn too_small(pose: &PoseBox, axes: &[usize]) -> PoseBox {
     PoseBox::from([0, 1, 2].map(|axis| match pose[axis] {
         side if axes.contains(&axis) => Interval::centred(side.mid(), 0.55 * 0.5 * side.width()),

@@ -1,4 +1,5 @@
-//! Tests of paper 2's point methods, and of a careful engineer's point methods for the same sensors, on cases worked out by hand.
+//! Tests of the point methods of paper 2 (wheels, gyroscope, flow sensor and headings from walls in the dark), and of the point methods that a
+//! careful engineer would use with the same sensors, on cases worked out by hand.
 
 use interval::Interval;
 use localizer::{
@@ -60,10 +61,11 @@ fn the_bias_is_the_mean_rate_at_rest_without_its_begin_and_end() {
     };
     // After 0.38 s at rest no gyroscope bias is known yet: the first 0.3 s of standing do not count, and the latest 0.1 s of rates are held back.
     assert_eq!(stands(&mut at_rest, 38), 0.0);
-    // Each time the encoders count, the waiting time before rates at rest are used starts again.
+    // Whenever the encoders count a tick, the robot is not at rest, and the time of waiting before the gyroscope's rates are used begins anew.
     at_rest.moved();
     assert_eq!(stands(&mut at_rest, 38), 0.0);
-    // The bias is the mean of about 60 rates, alternately 0.003 and 0.005 rad/s, of which at most one has no counterpart.
+    // The bias is the mean of about 60 rates that alternate between 0.003 and 0.005 rad/s. At most one of them is left without a partner of the other
+    // value, so that the mean is close to 0.004 rad/s.
     let bias_rad_per_s = stands(&mut at_rest, 62);
     assert!((bias_rad_per_s - 0.004).abs() < 0.001 / 50.0, "{bias_rad_per_s}");
     // The robot begins to turn before its encoders count: the gyroscope's rates of that time are among those held back, and are dropped.
@@ -89,9 +91,10 @@ fn dead_reckoning_takes_off_the_bias_that_it_found_at_rest() {
     };
     let nominal = driven(DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Wheels));
     let corrected = driven(DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Wheels).with_gyro_at_rest());
-    // The heading that is not corrected drifts for 20 s at 0.01 rad/s, apart from the turn before the first encoder reading.
+    // By hand: without correction the heading drifts for 20 s at 0.01 rad/s, the gyroscope's bias, apart from the turn before the first encoder
+    // reading.
     assert!((nominal.heading_rad - 0.2).abs() < 2e-4, "{nominal:?}");
-    // The corrected heading drifts for 0.4 s, until the first rate enters the mean of the bias, and not after that.
+    // With the bias measured at rest, the heading drifts only for 0.4 s, until the first rate enters the mean of the bias, and not after that.
     assert!(corrected.heading_rad > 0.0035 && corrected.heading_rad < 0.0045, "{corrected:?}");
     assert!(
         (corrected.x_m - 1.0).abs() < 1e-4 && (corrected.y_m - corrected.heading_rad).abs() < 1e-5,
@@ -110,12 +113,14 @@ fn the_way_by_flow_alone_leaves_out_the_arm_and_slip_and_has_the_wheels_where_it
     reckoning.roll([-75, 75]);
     let turned = reckoning.pose();
     assert!(turned.x_m.abs() < 1e-12 && turned.y_m.abs() < 1e-12 && (turned.heading_rad - 0.5).abs() < 1e-12);
-    // The wheels roll 0.2 m over 0.1 m of floor. Then the flow sensor is blind for one period, in which none of 0.05 m is counted.
+    // The wheels roll 0.2 m while the robot moves 0.1 m over the floor, which is what the flow sensor counts. The flow sensor is blind in the next
+    // period, in which the wheels roll 0.05 m and the sensor counts nothing.
     reckoning.flow([1000, 500], 0);
     reckoning.roll([125, 275]);
     let blind_m = |reckoning: &DeadReckoning| reckoning.pose().x_m.hypot(reckoning.pose().y_m);
     assert!((blind_m(&reckoning) - 0.1).abs() < 1e-12, "{:?}", reckoning.pose());
-    // The wheels are read twice before the flow sensor reports that it was blind.
+    // Half of these 0.05 m is read from the wheels before the flow sensor has reported that it is blind. The pose must not advance until that report,
+    // and then by all that the wheels rolled since the sensor's last good reading.
     reckoning.roll([150, 300]);
     assert!((blind_m(&reckoning) - 0.1).abs() < 1e-12);
     reckoning.flow([1000, 500], 1);
@@ -130,18 +135,20 @@ fn encoders_count_without_slip_and_the_flow_sensor_by_its_weight_with_it() {
     let [forward, left] = decision.travel_m(0.010, [0.002, 0.004]);
     // Expected travel in metres with a flow weight of 0.75: 0.010 − 0.75·0.008 forward, and 0.75·0.004 left.
     assert!((forward - 0.004).abs() < 1e-12 && (left - 0.003).abs() < 1e-12);
-    // A push to the side is counted, although the wheels do not turn.
+    // A push to the side that the flow sensor sees is counted as travel, although the wheels do not turn.
     assert!(decision.travel_m(0.0, [0.0, 0.002])[1] > 0.0);
 }
 
 #[test]
 fn a_remembered_direction_corrects_later_headings_and_keeps_the_first_ones_error() {
     let mut database = DirectionDatabase::default();
-    // The wall runs at 0.65 rad; the first heading is 0.02 rad too great, and so is the remembered direction of the wall.
+    // The true direction of the wall is 0.65 rad. When the wall is first seen the reckoned heading is 0.02 rad too great, and so the wall's direction
+    // is stored 0.02 rad too great.
     assert_eq!(database.correct(0.65 - 0.30, 0.32), None);
     let corrected = database.correct(0.65 - 1.00, 1.10).unwrap();
     assert!((corrected - 1.02).abs() < 1e-12, "{corrected}");
-    // After a quarter turn more, the same wall is recognised although the robot now faces across it.
+    // The robot has turned by about a quarter turn more. Directions count modulo a quarter turn, so that the same wall is recognised although the
+    // robot now faces across it.
     assert!(database.correct(0.65 - 2.60 + std::f64::consts::FRAC_PI_2, 2.62).is_some());
 }
 
@@ -153,7 +160,8 @@ fn headings_seen_bend_a_chain_of_odometry_that_turns_too_far() {
     let believed = Weights { travel_m: 0.001, turn_rad: 0.1, heading_rad: 1e-5 };
     let last = optimised(first, &[step; 10], &believed)[9];
     assert!(last.x_m.abs() < 1e-5 && (last.y_m - 1.0).abs() < 1e-6, "{last:?}");
-    // With equal weights of gyroscope and camera one step of 0.02 rad ends half way, after a whole turn is removed from the heading that was seen.
+    // The heading seen by the camera is given a whole turn too great, which must be removed. With equal weights of gyroscope and camera, a turn of
+    // 0.02 rad that only the gyroscope reads ends half way, at 0.01 rad.
     let equal = Weights { travel_m: 0.001, turn_rad: 0.01, heading_rad: 0.01 };
     let seen = Some(first.heading_rad + std::f64::consts::TAU);
     let one = optimised(first, &[Step { heading_rad: seen, ..step }], &equal)[0];
@@ -180,8 +188,8 @@ fn a_whole_chain_of_points_follows_headings_that_are_seen_late() {
         }
     }
     let pose = chain.pose();
-    // Dead reckoning ends at 0.2 rad and 0.1 m to the left. The database's mean takes over a share of the drift at each image (1/2, 1/3, …), so
-    // that its error grows too, but less than half as fast.
+    // Dead reckoning ends at 0.2 rad and 0.1 m to the left. The database stores the wall's direction as the mean of the directions seen so far, so
+    // that each image adds a share of the drift (1/2, 1/3, …): the corrected heading drifts too, but less than half as fast.
     assert!((reckoned.heading_rad - 0.2).abs() < 1e-9 && reckoned.y_m > 0.09, "{reckoned:?}");
     assert!(pose.heading_rad > 0.0 && pose.heading_rad < 0.1, "{pose:?}");
     assert!(pose.y_m > 0.0 && pose.y_m < 0.05 && (pose.x_m - 1.0).abs() < 0.01, "{pose:?}");

@@ -1,4 +1,5 @@
-//! Tests of whole runs by `wall_directions` at 0.1 lx: soundness, judging of claims, bounds, exposures, and the paper's chain of image processing.
+//! Tests of whole runs at 0.1 lx whose heading comes from edges of walls (method `wall_directions`): soundness, judging of claims, bounds, exposures,
+//! and paper 2's own chain of image processing.
 
 use localizer::{Claim, Reading, Status};
 use sim::{
@@ -40,7 +41,7 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
     let metrics = &verdict.metrics;
     assert!(metrics["wall_images"] >= 39.0 && metrics["wall_fix_share"] > 0.5, "{metrics:?}");
     assert!(metrics["wall_fix_error_p95_deg"] < 0.4, "{metrics:?}");
-    // The heading after ten images is narrower than the heading known at the start.
+    // The box of the heading after ten images is narrower than the interval in which the heading is known at the start.
     let width_deg = |index: usize| record.estimates[index].pose.hull()[2].width().to_degrees();
     assert!(width_deg(0) > 1.9 && width_deg(399) < 1.8, "{} to {}", width_deg(0), width_deg(399));
     let mut n_claims = 0;
@@ -129,7 +130,8 @@ fn the_whole_system_rounds_its_first_corner_with_the_heading_known() {
     assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
     // The share of images that give a heading is low because 50 of the 120 images are taken at rest, from one place.
     assert!(verdict.metrics["wall_fix_share"] > 0.1, "{:?}", verdict.metrics);
-    // The heading at the start is known to 1 degree; the bound on single gyroscope readings would add 2·24·(0.02 + 0.12) degrees in 24 s.
+    // The heading is known to 1 degree at the start. With bounds on single gyroscope readings alone, 24 s would widen its interval by 2·24·(0.02 +
+    // 0.12) degrees; the final width shows what images of walls and the learnt gyroscope errors gain.
     let last = record.estimates.last().unwrap().pose.hull()[2];
     assert!(last.width().to_degrees() < 1.9, "{last:?}");
     let truth = record.truths.last().unwrap();
@@ -159,7 +161,8 @@ fn a_direction_that_no_wall_has_is_named() {
     assert!((violation.true_value.to_degrees() - 1.5).abs() < 1e-9, "{violation:?}");
     let containment = verdict.containment.as_ref().unwrap();
     assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
-    // The true pose is lost, or the wrong wall direction is noticed: images that agree on no heading are a contradiction.
+    // The map states a wall direction that is 1.5° wrong. Either the true pose leaves the box, for which that bound is blamed, or the localizer
+    // notices the contradiction, because the images agree on no heading.
     let is_noticed = verdict.metrics["recovering_share"] > 0.5;
     assert!(containment.bound_broken > 0 || is_noticed, "{containment:?}");
 }
@@ -198,7 +201,8 @@ fn walls_as_askew_as_declared_keep_the_truth_and_ten_times_as_askew_are_named() 
 
 #[test]
 fn a_wall_that_the_map_does_not_tell_is_named() {
-    // A wall direction can be learnt only if it differs from the mapped ones by more than clutter does that is mistaken for a mapped wall.
+    // A direction of walls that the map does not list can be learnt only if it differs by more than some ten degrees from the listed ones: a smaller
+    // difference is taken for clutter that stands askew beside a wall of the map.
     let learns = "mapped_deg = [0.0]\nlearns = true";
     let setups = [
         ("mapped_deg = [0.0]", 2.0, true),
@@ -238,7 +242,7 @@ fn exposures_are_short_while_the_robot_turns() {
     let to_the_left = ["heading_deg = 0", "heading_deg = -60"];
     let (record, _) = judged(&scene(&[["duration_s = 60.0", "duration_s = 4.0"], to_the_left], ""), 4);
     let (mut n_short, mut n_long) = (0, 0);
-    // The first three images are skipped, because auto-exposure begins with a setting for office light.
+    // The first three images are skipped, because auto-exposure begins with settings for office light and needs these images to adapt to the dark.
     for image in record.images.iter().skip(3) {
         let Some(Reading::Camera { exposure_s, .. }) = image.reading else { panic!() };
         let turn_rad_per_s = image.truth.velocity[2].abs();

@@ -32,7 +32,8 @@ fn step_edge(left_px: f64, right_px: f64, electrons: f64, seed: u64) -> Picture 
     step_below(|u| left_px + (right_px - left_px) * u / 639.0, electrons, seed)
 }
 
-/// An image with Poisson noise and an edge of any shape, given by the row at which the edge crosses each column.
+/// An image with Poisson noise that has twice as many photons below an edge of any shape as above it; `edge` gives the row at which the edge crosses
+/// each column.
 fn step_below(edge: impl Fn(f64) -> f64, electrons: f64, seed: u64) -> Picture {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut picture = Picture::filled(640, 480, 0.0);
@@ -112,7 +113,7 @@ fn rolling_guidance_removes_dots_and_keeps_a_step() {
 
 #[test]
 fn equalised_levels_are_even_and_tiles_bring_out_a_dark_corner() {
-    // The grey levels are a ramp of squares, whose ranks are evenly spaced.
+    // The grey levels grow as squares along the image, so that equalisation, which replaces levels by their ranks, has to make them grow evenly.
     let ramp =
         Picture { width: 256, height: 1, values: (0..256).map(|level| (level * level) as f32 / 256.0).collect() };
     let even = equalise::equalised(&ramp);
@@ -129,8 +130,8 @@ fn equalised_levels_are_even_and_tiles_bring_out_a_dark_corner() {
     assert!(tiles > 2.0 * whole, "{tiles} against {whole}");
 }
 
-/// An image of a box-shaped room with edges of ceiling, skirting and door panel, by a pinhole camera with the given heading and upward tilt; and
-/// the focal length.
+/// An image of a box-shaped room with edges of ceiling, skirting and door panel, seen by a pinhole camera with the given heading and upward tilt.
+/// Also returns the focal length in pixels.
 fn room(heading_deg: f64, tilt_up_deg: f64) -> (GrayImage, f64) {
     let (focal_px, tilt) = (417.0, tilt_up_deg.to_radians());
     let (sin, cos) = heading_deg.to_radians().sin_cos();
@@ -158,11 +159,13 @@ fn the_papers_chain_tells_the_azimuth_of_a_room_and_a_wrong_tilt_sign_does_not()
         let ray = |[u, v]: [f64; 2]| vector![(u - 319.5) / focal_px, (v - 239.5) / focal_px, 1.0];
         let points = vanishing_points(&segments, ray).unwrap();
         let error = |tilt_deg: f64| azimuth_rad(&points, f64::to_radians(tilt_deg)).to_degrees() - heading_deg;
-        // Edges without noise are staircases of pixels, which limits the accuracy of the azimuth; the paper states 1°.
+        // The image has no noise, so that its edges are staircases of pixels, which limits the accuracy of the heading computed from vanishing
+        // points; paper 2 states 1°.
         assert!(error(8.7).abs() < 0.5, "off by {}° at {heading_deg}°", error(8.7));
         let [a, b, c]: [Vector3<f64>; 3] = points.directions;
         assert!(a.dot(&b).abs() + b.dot(&c).abs() + c.dot(&a).abs() < 1e-9);
-        // With the wrong sign of the tilt, level directions appear to rise, which shifts the azimuth: note A2 states 1.3° for a corner at 45°.
+        // With the wrong sign of the camera's tilt, level directions appear to rise, which shifts the computed heading. Note A2 of the project's page
+        // on the papers states 1.3° of heading for a corner seen at 45°.
         assert!((error(-8.7) - error(8.7)).abs() > 0.3, "{} {}", error(-8.7), error(8.7));
     }
 }

@@ -113,9 +113,9 @@ fn a_push_among_tiles_alone_is_followed_tile_by_tile() {
 
 #[test]
 fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
-    // With wheel readings in time the mean box is 5.5 mm wide. Readings 50 ms late cost little, because the wheels can hardly change their speed
-    // in that time. With readings 0.3 s late, only the limits of speed and turn rate bound the motion in the first third of a second, after which
-    // several tiles are possible.
+    // The test drives over floor tiles with wheel readings that arrive late. With wheel readings in time the mean box is 5.5 mm wide. Readings 50 ms
+    // late cost little, because the wheels can hardly change their speed in that time. With readings 0.3 s late, only the limits of speed and turn
+    // rate bound the motion in the first third of a second, after which several tiles are possible.
     for (late_s, latency_s, widest_m) in [(0.3, 0.03, 1.0), (0.05, 0.03, 0.009), (0.05, 0.005, 0.009)] {
         let mut scene = scene("tiles.toml");
         scene.duration_s = 10.0;
@@ -162,7 +162,7 @@ fn a_turn_faster_than_reach_leaves_no_empty_box() {
 fn readings_that_come_less_often_than_stamps_are_remembered_are_taken_all_the_same() {
     let mut scene = scene("papers/rigid_transform_loop.toml");
     scene.duration_s = 30.0;
-    // New pose slots without a reading are opened after two slip windows, which makes 6 s here.
+    // When no reading comes, the localizer stores a new pose after twice the window over which slip is bounded, which makes 6 s here.
     scene.bounds.slip_window_s = 3.0;
     scene.robot.range_camera.as_mut().unwrap().period_s = 4.0;
     let record = run(&scene, 0, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
@@ -236,7 +236,8 @@ fn spans_outside(record: &RunRecord) -> Vec<[usize; 2]> {
 
 #[test]
 fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_each_time() {
-    // A wheel is 5 % smaller than the localizer is given, while 0.2 % is declared, as with odometry whose bounds nobody has measured.
+    // One wheel is 5 % smaller than the localizer assumes, while the declared bound on the wheel's radius is 0.2 %, as with odometry whose bounds
+    // nobody has measured.
     let mut scene = scene("papers/ir_markers_lab.toml");
     scene.duration_s = 14.0;
     scene.robot.wheel_wear = [0.05, 0.0];
@@ -250,8 +251,8 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_e
         "{n_doubted} of {n_outside} outside are doubted, {:?}, {containment:?}",
         verdict.metrics["recovering_share"]
     );
-    // There is hardly any doubt while the true pose is outside of the boxes: once a marker contradicts, the estimate becomes all that is possible,
-    // and the true pose is inside.
+    // The localizer hardly ever doubts while the true pose is outside of its boxes: as soon as a marker contradicts an estimate, the localizer widens
+    // that estimate to all poses that are possible, and these include the true one.
     assert!(n_outside > 100 && 20 * n_doubted < n_outside, "{n_doubted} of {n_outside}");
     assert!(spans.iter().all(|[from, to]| to - from < 100), "{spans:?}");
     // Most spans of 0.2 s or longer in which the true pose is outside end with a doubt.
@@ -278,7 +279,8 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_landmarks_before_the_trut
 
 #[test]
 fn furniture_a_few_degrees_askew_that_nobody_tells_of_is_blamed_and_moves_a_heading_by_tenths_of_a_degree() {
-    // The edges of the furniture agree with each other, so that no reading contradicts another and the status never becomes `Recovering`.
+    // The edges of pieces of furniture that stand askew agree with each other, so that no reading contradicts another one and the localizer never
+    // doubts (its status never becomes `Recovering`).
     let mut scene = scene("home.toml");
     scene.duration_s = 41.0;
     let askew_deg = [

@@ -91,7 +91,7 @@ fn what_cannot_be_searched_is_told_with_code_2() {
     }
 }
 
-/// A search for failing random scenes, of about a minute on two cores. The numbers of cases were fixed before the first run.
+/// A search of about a minute on two cores that must find no failing scene among random ones. The numbers of cases were fixed before the first run.
 #[test]
 fn random_scenes_keep_the_promise() {
     let place = folder("falsify_random");

@@ -36,7 +36,7 @@ fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
 }
 
 fn wishes(scene: &Scene, record: &RunRecord) -> Vec<Wish> {
-    // Replays with the bound kept give boxes that hold the true pose.
+    // In every replay that the judge requests, in which a broken bound is kept, the boxes contain the true pose.
     let verdict = judge(scene, record, &mut |_| Ok(self::record(scene, 0.01, |_| 0.0))).unwrap();
     hits(scene, record, &verdict).into_iter().map(|hit| hit.wish).collect()
 }
@@ -79,8 +79,8 @@ fn a_bound_excuses_only_where_an_estimate_relies_on_it() {
 #[test]
 fn a_box_wider_than_the_walls_leave_to_the_robot_is_one_only_while_sound() {
     let scene = scene();
-    // The room is 2 m deep. The body keeps the robot's middle 0.25 m from either wall, and contact may compress either side by a millimetre: 1.502
-    // m are left.
+    // The room is 2 m deep. The robot's middle cannot come nearer than 0.25 m to either wall, its body's radius, less a millimetre by which contact
+    // may compress either side: it can be anywhere within 1.502 m, and a box wider than that is a finding.
     assert_eq!(wishes(&scene, &record(&scene, 0.7505, |_| 0.0)), []);
     let mut wide = record(&scene, 0.7515, |_| 0.0);
     assert_eq!(wishes(&scene, &wide), [Wish::WiderThanRoom]);
@@ -137,13 +137,14 @@ fn what_the_judge_makes_of_a_step_outside_does_not_excuse_it() {
 fn more_false_claims_than_declared_excuse_what_comes_after_them_and_no_others_do() {
     let scene = scene();
     let lost = || record(&scene, 0.01, |time_s| if time_s > 1.0 { 0.05 } else { 0.0 });
-    // The false claim comes before the failure; before it but within the declared number of false claims; and only after the truth has been
-    // outside for more than a second.
+    // Three cases: the false claim comes before the failure and exceeds the declared number of false claims; it comes before the failure but is
+    // within that number; it comes only after the true pose has been outside of the boxes for more than a second. Only the first case excuses the
+    // failure.
     for (measured_s, q_items, is_excused) in [(0.5, 0, true), (0.5, 1, false), (2.5, 0, false)] {
         let mut record = lost();
         record.images.push(misread(&record, measured_s, q_items));
-        // The judge gets replays that are no better than the record, so that it finds no excuse: whether the search reports the failure does not
-        // depend on the judge.
+        // In every replay that the judge requests, the boxes miss the true pose as they do in the record, so that the judge finds no excuse. Whether
+        // the search reports that the true pose was outside of sound boxes must not depend on the judge.
         let verdict = judge(&scene, &record, &mut |_| Ok(lost())).unwrap();
         let found: Vec<Wish> = hits(&scene, &record, &verdict).into_iter().map(|hit| hit.wish).collect();
         assert_eq!(found.contains(&Wish::SoundButOutside), !is_excused, "{measured_s} {q_items}: {found:?}");

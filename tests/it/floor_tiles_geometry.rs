@@ -23,7 +23,7 @@ struct Tilts {
     mount: f64,
 }
 
-/// The tilts that most of the tests declare: 0.1° each.
+/// The bounds that most of these tests declare on the tilt of the robot's body and of the camera's mount: 0.1° each.
 const SMALL: Tilts = Tilts { body: TILT_RAD, mount: TILT_RAD };
 
 /// A true situation of robot, camera and tiles, with every error drawn inside its bound, half of them at the bound.
@@ -137,7 +137,7 @@ fn with_forward_at(heading_rad: f64, lean: UnitQuaternion<f64>) -> UnitQuaternio
 }
 
 impl Situation {
-    /// Image of a point of the floor; `None` if it lies outside of the image.
+    /// Pixel at which the true camera sees a point of the floor; `None` if that pixel lies outside of the image.
     fn project(&self, point: Point3<f64>) -> Option<[f64; 2]> {
         let seen = self.world_from_camera.inverse_transform_point(&point);
         let image = [319.5 + self.focal_px * seen.x / seen.z, 239.5 + self.focal_px * seen.y / seen.z];

@@ -1,4 +1,5 @@
-//! Tests of the flow sensor's motion against motion that is integrated in much finer steps, and of certified slip.
+//! Tests of the flow sensor's motion against motion that is integrated in much finer steps, and of slip that is certain because wheels and flow
+//! sensor contradict each other.
 
 use interval::Interval;
 use localizer::{
@@ -22,8 +23,8 @@ fn model() -> FlowModel {
     }
 }
 
-/// True motion and the flow integral of a body that drives, drifts sideways and turns, seen by a flow sensor whose errors are at the limits of
-/// their bounds.
+/// True motion of a body that drives, drifts sideways and turns, and the counts of a flow sensor (summed travel in its own frame) whose errors are at
+/// the limits of their bounds.
 fn drive(rng: &mut ChaCha8Rng, steps: usize) -> ([f64; 3], FlowIntegral) {
     let model = model();
     let mut side = || [-1.0, 1.0][rng.random_range(0..2)];
@@ -125,7 +126,8 @@ fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_ha
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for scale_change in [0.002, 0.05, 0.2] {
         for drive in 0..60_u32 {
-            // Turns on the spot, in which the sensor travels along one of its axes, alternate with curves; each drive has up to two turns.
+            // In half of the drives the robot turns on the spot, so that the flow sensor travels along one of its axes; in the other half it drives
+            // curves. Each drive has up to two turns.
             let (is_curve, arm_m) = (drive % 2 == 1, 0.18);
             let position_m = [-arm_m, if is_curve { 0.09 } else { 0.0 }].map(Interval::point);
             let model = FlowModel { position_m, yaw_rad: Interval::ZERO, scale_change, ..model() };
@@ -133,8 +135,8 @@ fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_ha
             let speeds = [if is_curve { rng.random_range(-0.3..0.3) } else { 0.0 }, rate_rad_per_s];
             let steps = rng.random_range(50..600);
             let calibration = 1.0 + 0.00099 * [-1.0, 1.0][rng.random_range(0..2)];
-            // Four adversaries always shift the travel that is counted to one side, in either direction along world x and world y; the fifth is
-            // random.
+            // The flow sensor's scale changes within its bound as an adversary chooses. Four adversaries always shift the counted travel to one side,
+            // in either direction along world x and world y; the fifth is random.
             let coin = std::cell::RefCell::new(ChaCha8Rng::seed_from_u64(u64::from(drive)));
             let adversaries: [Adversary; 5] = [
                 &|way: [f64; 2]| way[0].signum(),
@@ -151,8 +153,8 @@ fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_ha
             for axis in if is_curve { 0..0 } else { 0..2 } {
                 let harm_m = (runs[2 * axis].1[axis].mid() - runs[2 * axis + 1].1[axis].mid()).abs();
                 let widest_m = runs.iter().map(|(_, motion)| motion.width(axis)).fold(0.0, f64::max);
-                // In addition the box is widened by the calibration, by counts at the ends and in every step, and by taking the heading at the
-                // middle of each step.
+                // Besides the harm that the adversaries do, the box for the motion may be wider by the sensor's calibration error, by single counts
+                // at both ends and in every step, and by taking the heading at the middle of each step.
                 let step_rad = 0.01 * rate_rad_per_s;
                 let per_step_m = 2.0e-4 * scale_change + 1.3 * step_rad * (step_rad * arm_m + 1.0e-4);
                 let besides_m = 0.004 + per_step_m * steps as f64;
@@ -167,8 +169,8 @@ fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_w
     let (mut model, reach) =
         (model(), Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 0.1, acceleration_m_per_s2: 1.0 });
     (model.scale_change, model.position_m) = (0.2, [Interval::ZERO; 2]);
-    // The robot moves forward for 0.2 s, accelerating and braking at 1 m/s², and back for as long. More counts are read on the way forward than on
-    // the way back, and only the readings at both ends of the motion are left.
+    // The robot moves forward for 0.2 s, accelerating and braking at 1 m/s², and back for as long. Within the flow sensor's bound on its scale more
+    // counts are read on the way forward than on the way back. All readings are lost except those at both ends of the motion.
     let ahead_m = 2.0 * 0.5 * 0.1 * 0.1;
     let counts = (ahead_m * COUNTS_PER_M * 1.2) as i64 - (ahead_m * COUNTS_PER_M * 0.8) as i64;
     let mut history = FlowHistory::new(model, 10.0);
@@ -198,7 +200,8 @@ fn wheels_that_spin_on_the_spot_are_dropped_by_a_certificate() {
     assert_eq!(agree(&rolled, None), Agreement::Both(rolled));
 }
 
-/// A gyroscope history with one reading of the given heading in each of `n_readings` periods of 10 ms, and with this bound on the noise.
+/// Gyroscope history for headings given as a function of time, with one reading in each of `n_readings` periods of 10 ms, and with `noise_rad_per_s`
+/// as the bound on the noise.
 fn gyro_told(n_readings: u32, heading_rad: impl Fn(f64) -> f64, noise_rad_per_s: f64) -> GyroHistory {
     let (period_s, scale, bias_rad_per_s) = (0.01, Interval::point(1.0), Interval::ZERO);
     let (angle_floor_rad, angle_rad_per_s, bias_wander_rad_per_s2) = (f64::INFINITY, 0.0, 0.0);
@@ -218,7 +221,7 @@ fn gyro_told(n_readings: u32, heading_rad: impl Fn(f64) -> f64, noise_rad_per_s:
     gyro
 }
 
-/// Wheels that the tests of the flow sensor do not read; their track only determines how fast turn rates change.
+/// Wheel model that the flow sensor's history needs: no wheel is read in these tests, and the track only determines how fast turn rates can change.
 fn wheels() -> WheelModel {
     WheelModel {
         radius_m: [Interval::point(0.035); 2],
@@ -241,8 +244,8 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
     );
     let (mut widest_m, mut answered) = (0.0_f64, 0);
     for _ in 0..40 {
-        // Speeds oscillate within the declared limits and are integrated in steps of a millisecond; the sensor's mount is at the limits of its
-        // bounds.
+        // True motion for the test: speeds forward, sideways and in heading oscillate within the declared limits and are integrated in steps of a
+        // millisecond; the flow sensor's mount is at the limits of its bounds.
         let [ahead, aside, about] =
             [0.3, 0.02, 0.4].map(|size: f64| [size, rng.random_range(1.0..2.0), rng.random_range(0.0..6.0)]);
         let swing = |[size, rate, phase]: [f64; 3], time_s: f64| size * (rate * time_s + phase).sin();
@@ -262,7 +265,7 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
                 readings.push((f64::from(step + 1) * 0.001, seen.map(|counts| counts.floor() as i64)));
             }
         }
-        // One reading in ten is lost, and the others arrive out of order.
+        // One flow-sensor reading in ten is lost, and the others arrive in another order than they were measured.
         readings.retain(|_| rng.random_range(0..10) > 0);
         (1..readings.len()).for_each(|idx| readings.swap(idx, rng.random_range(idx.saturating_sub(3)..=idx)));
         let mut history = FlowHistory::new(model, 10.0);
@@ -282,7 +285,8 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
             answered += 1;
         }
     }
-    // The width of a few millimetres comes from two counts, some interpolation, 0.6 % of up to 0.12 m, and 0.003 rad of the mount.
+    // By hand: the box of the motion is a few millimetres wide because of two counts of the flow sensor, some interpolation between readings, 0.6 %
+    // of travels of up to 0.12 m, and 0.003 rad of uncertainty in the mount's direction.
     assert!(answered > 3000 && widest_m < 0.006, "{answered} answers, up to {widest_m} m wide");
 }
 
@@ -294,6 +298,6 @@ fn a_blind_period_leaves_no_motion_across_it() {
     let gyro = gyro_told(20, |_| 0.0, 0.0);
     let told = |from_s: f64, to_s: f64| history.motion([from_s, to_s], Some(&gyro), &wheels(), &reach).is_some();
     assert!(told(0.0, 0.1) && told(0.11, 0.2) && !told(0.05, 0.15) && !told(0.104, 0.108));
-    // No motion is given for times before the first reading or after the last one.
+    // The flow sensor's history gives no motion for times before its first reading or after its last one.
     assert!(!told(-0.01, 0.1) && !told(0.15, 0.21));
 }

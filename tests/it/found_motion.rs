@@ -13,7 +13,7 @@ use sim::{
 
 use crate::{command::root, judging::verdict_of};
 
-/// Time after which a run counts as one that never ends, on any machine: the slowest run takes seconds.
+/// Time limit after which a simulated run counts as one that never ends, on any machine: the slowest run takes seconds.
 const PATIENCE: Duration = Duration::from_secs(400);
 
 /// A scene of the repository.

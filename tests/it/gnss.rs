@@ -59,8 +59,8 @@ fn positions(scene: &Scene, truth: Truth, lasts_s: f64) -> Vec<(f64, Position)> 
 fn a_position_is_that_of_the_antenna_turned_with_the_robot_and_tipped_with_it() {
     let mut scene = yard();
     scene.robot.gnss.as_mut().unwrap().fixed_tolerance_m = 0.0;
-    // By hand, at a heading of 90°: 0.15 m back is −y and 0.1 m left is −x. When the robot is rolled to the right by 0.1 rad, an antenna
-    // 0.6 m up moves to the right.
+    // The antenna is 0.15 m behind and 0.1 m left of the robot's origin. At a heading of 90°, back is −y and left is −x. When the robot is rolled to
+    // the right by 0.1 rad, an antenna 0.6 m up moves to the right.
     let pose = Pose { x_m: 3.0, y_m: 2.0, heading_rad: std::f64::consts::FRAC_PI_2 };
     let level = positions(&scene, Truth { pose, ..Truth::default() }, 1.0);
     assert_eq!(level.len(), 10);
@@ -106,7 +106,8 @@ fn the_worst_of_time_and_place_says_what_is_received() {
     assert!(told.iter().all(|(time_s, told)| told.is_fixed != (40.0..46.0).contains(time_s)));
 }
 
-/// Method for a receiver on the scene's robot, and the model of that robot, whose body may lean by up to half a degree.
+/// The localization method for positions of a satellite navigation receiver on the scene's robot, and the model of that robot, whose body may lean by
+/// up to half a degree.
 fn method(scene: &Scene) -> (GnssPositions, RobotModel) {
     let robot = scene.robot_model();
     let receiver = localizer::methods::gnss_positions::ReceiverModel {
@@ -149,7 +150,8 @@ fn no_pose_that_keeps_every_bound_is_lost() {
         let (lean_rad, toward_rad) = (within(robot.body.tilt_rad), within(std::f64::consts::PI));
         let truth =
             Truth { pose, tilt_rad: [lean_rad * toward_rad.cos(), lean_rad * toward_rad.sin()], ..Truth::default() };
-        // At up to 2 ms after its stamp the robot has moved as far as its limits of speed and turn rate allow.
+        // The reported position was measured up to 2 ms after its time stamp. Within these the robot has moved as far as its limits of speed and turn
+        // rate allow.
         let late_s = 0.002;
         let moved = Truth {
             pose: Pose {
@@ -229,7 +231,8 @@ fn positions_held_and_carried_by_the_motion_since_tell_the_heading_and_lose_no_t
             assert!(domain.contains(&pose.to_array()), "{index}: {pose:?} {domain:?}");
             width_rad.push(domain.width(2));
         }
-        // The heading's width is that of four centimetres of position error at most, and of what the lean adds, over a metre.
+        // The heading is found from positions about a metre apart. It cannot be narrower than errors of four centimetres in position at most and the
+        // effect of the lean allow over that distance.
         assert!(width_rad[4] < 0.25 && width_rad[4] < 0.5 * width_rad[0], "{width_rad:?}");
     }
 }
@@ -263,8 +266,8 @@ fn a_drive_by_positions_keeps_the_truth_through_trees_a_barn_and_an_outage() {
             let containment = verdict.containment.as_ref().unwrap();
             assert_eq!(containment.contained, containment.checks, "{errors:?} {seed}: {containment:?}");
             assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
-            // In the open, after some driving, the box is as wide as twice a centimetre of error plus what the antenna's place and the lean
-            // add.
+            // With good reception, after some driving, the box of the position is twice a centimetre wide, the error of the reported position, plus
+            // what the uncertainties of the antenna's place and of the lean add.
             let in_the_open = record.estimates.iter().zip(&record.truths).filter(|(_, truth)| {
                 (8.0..39.0).contains(&truth.time_s) && truth.pose.y_m < 5.0 && truth.pose.x_m < 8.5
             });
@@ -333,7 +336,7 @@ fn keys_out_of_their_ranges_are_refused_with_what_was_expected() {
 
 #[test]
 fn a_lever_arm_turns_the_same_way_by_hand_as_in_the_simulator() {
-    // The expected position is computed with a plane rotation and not with the simulator's own transform.
+    // The expected position of the antenna is computed here with a rotation in the plane, independently of the simulator's own transform.
     let pose = Pose { x_m: 3.0, y_m: 2.0, heading_rad: 0.7 };
     let lever = Rotation2::new(0.7) * Vector2::new(-0.15, 0.1);
     let mut scene = yard();

@@ -8,8 +8,9 @@ use sim::{loading::SceneFile, run::sensors::still::take, world::Drawn};
 
 use crate::{command::root, render_studio::renderer};
 
-/// Tolerances of the comparison. Graphics drivers differ in the last bits of luminance, which now and then changes a count of photons by
-/// one: a hundredth of the pixels may be off by more than two grey levels, and the mean of an image by no more than a tenth of a level.
+/// Tolerances for comparing a rendered image with the approved one. Graphics drivers differ in the last bits of luminance, which now and then changes
+/// a count of photons by one: a hundredth of the pixels may be off by more than two grey levels, and the mean of an image by no more than a tenth of
+/// a level.
 const SHARE_OFF: f64 = 0.01;
 const LEVELS_OFF: i32 = 2;
 const MEAN_OFF: f64 = 0.1;

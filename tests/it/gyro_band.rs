@@ -55,20 +55,20 @@ fn a_gyroscope_leaves_its_band_as_seldom_as_the_closed_form_says() {
     // 99.1 s.
     let scene = noisy(0.015);
     let mean_s = (0..300).map(|seed| lasts_s(&scene, seed, 1e5).0).sum::<f64>() / 300.0;
-    // Because the noise is only seen at 200 Hz, its sum gets 0.58·σ·√T = 0.0002° farther before it is noticed: k = 6.08, 8 % longer. The
-    // mean of 300 draws scatters by 6 %.
+    // The formula holds for continuous noise. The simulated noise is only seen at 200 Hz, so that its sum gets 0.58·σ·√T = 0.0002° farther before it
+    // is noticed to have left the band: k = 6.08, 8 % longer. The mean of 300 draws scatters by 6 %.
     assert!((90.0..130.0).contains(&mean_s), "{mean_s} s on average");
 }
 
 #[test]
 fn a_floor_that_fails_once_in_a_million_hours_holds_for_hours() {
-    // By the same formula with k = 24 the band lasts 0.5·e^24/2 = 6.6e9 s, 1.8 million hours.
+    // By the formula for the mean time until the noise leaves its band, with k = 24: 0.5·e^24/2 = 6.6e9 s, 1.8 million hours.
     let scene = noisy(0.06);
     for seed in 0..4 {
         let (time_s, greatest_rad_per_s) = lasts_s(&scene, seed, 3600.0);
         assert!(time_s > 3600.0, "seed {seed} leaves its band after {time_s} s");
-        // 0.6 °/s is 8.5 standard deviations of a reading: none of the 720 000 readings comes near it, and the greatest is beyond 4
-        // deviations.
+        // 0.6 °/s is 8.5 standard deviations of the noise of one gyroscope reading: none of the 720 000 readings comes near it, and the greatest one
+        // is beyond 4 deviations.
         assert!((4.0 * 0.0707..0.6).contains(&greatest_rad_per_s.to_degrees()), "{}", greatest_rad_per_s.to_degrees());
     }
 }
@@ -87,8 +87,8 @@ fn errors_rad_per_s(scene: &Scene, n_readings: usize, is_cut: bool) -> Vec<f64> 
 #[test]
 fn noise_cut_to_its_bounds_keeps_the_band_over_every_span_and_stays_as_drawn_until_it_leaves_it() {
     let mut scene = noisy(0.002);
-    // The bound on a reading's noise is about three standard deviations, so that single readings are cut as well; and the bias wanders
-    // within its own share of the band.
+    // The bound on the noise of one gyroscope reading is about three standard deviations, so that single readings are cut to it as well. The bias
+    // wanders too, and its change uses a part of the band that limits the accumulated angle error.
     let gyro = scene.robot.gyro.as_mut().unwrap();
     (gyro.noise_deg_per_s, gyro.bias_tolerance_deg_per_s, gyro.bias_wander_deg_per_s2) = (0.2, 0.01, 0.003);
     gyro.rate_random_walk_deg_per_h_per_sqrt_h = 600.0;
@@ -109,7 +109,7 @@ fn noise_cut_to_its_bounds_keeps_the_band_over_every_span_and_stays_as_drawn_unt
     };
     assert!(beyond_rad(&drawn) > 0.5 * floor_rad, "{}", beyond_rad(&drawn));
     assert!(beyond_rad(&cut) < 1e-9 * floor_rad, "{}", beyond_rad(&cut));
-    // The cut errors reach the bound itself: no more was taken off than necessary.
+    // The sum of the cut errors reaches the edge of the band: the cut took off no more than necessary.
     assert!(beyond_rad(&cut) > -1e-9, "{}", beyond_rad(&cut));
     let first = drawn.iter().zip(&cut).position(|(drawn, cut)| drawn != cut).unwrap();
     assert!(beyond_rad(&drawn[..first]) <= 0.0 && first > 0);
@@ -126,7 +126,8 @@ fn a_run_that_leaves_its_band_has_a_broken_bound() {
         let named = verdict.violations.iter().any(|violation| violation.bound == "gyro.angle");
         assert_eq!(named, is_broken, "{:?}", verdict.violations);
         if let Some(broken) = verdict.violations.iter().find(|violation| violation.bound == "gyro.angle") {
-            // The violation begins with the reading at which the noise leaves its band, not with the start; the robot stands still.
+            // The judge must report that the bound on the gyroscope's accumulated error is broken from the reading on at which the noise leaves its
+            // band, and not from the start of the run. The robot stands still.
             let left_s = lasts_s(&scene, 1, 20.0).0;
             assert!(left_s > 0.1 && (broken.from_s - left_s).abs() < 0.006, "{broken:?}, left at {left_s} s");
         }

@@ -12,7 +12,7 @@ const NOISE_RAD_PER_S: f64 = 0.0005;
 /// Test method that bounds the heading at each range reading: near 0 at first, and near 0.3 rad from `wrong_from_s` on.
 struct Compass {
     wrong_from_s: f64,
-    /// Whether the heading's interval is ten times as wide at all readings except in every fifth second.
+    /// Whether the interval of the heading is ten times as wide, except at the readings within one second of every five.
     mostly_wide: bool,
 }
 
@@ -33,7 +33,7 @@ impl Method for Compass {
     }
 }
 
-/// Test method that is never wrong about the heading and gives equally narrow headings at every reading.
+/// A stand-in for a method that bounds the heading: it is never wrong, and gives equally narrow headings at every reading.
 const RIGHT: Compass = Compass { wrong_from_s: f64::INFINITY, mostly_wide: false };
 
 /// Intervals of the gyroscope's bias after each second, for a robot that stands still. It gets a heading fix every second, at a stamp at
@@ -76,7 +76,7 @@ fn drive(
         bias_wander_rad_per_s2: learns.map_or(0.0, |(wander_rad_per_s2, _)| wander_rad_per_s2),
         period_s: 0.01,
     });
-    // The wheels may slip at will, so that only heading fixes tell of the robot's turn.
+    // The declared slip of the wheels is so great that only heading fixes, and not the wheels, say how far the robot turned.
     robot.wheels.slip_floor_m = 0.01;
     let room = Interval::new(-5.0, 5.0);
     let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new() };
@@ -101,13 +101,13 @@ fn drive(
 fn fixes_of_the_heading_narrow_the_bias_to_noise_and_width_over_time() {
     let known = biases(20.0, f64::INFINITY, Some(0.0));
     assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
-    // From the first heading fix to the last 19 s pass: to either side the bias is known to the noise and half of a fix's width at each
-    // end, plus a little for incomplete periods.
+    // 19 s pass from the first heading fix to the last one. The expected half-width of the gyroscope's bias is the bound on its noise plus half of a
+    // fix's width at either end over that time, plus a little for incomplete periods of the gyroscope.
     let expected = 2.0 * (NOISE_RAD_PER_S + 2.0 * FIX_RAD / 19.0);
     let width = known[19].width();
     assert!(width <= 1.05 * expected && width > 0.5 * expected, "{width} rad/s wide, expected {expected}");
     assert_eq!(biases(3.0, f64::INFINITY, None)[2], Interval::centred(0.0, 0.01));
-    // A bias that wanders is known no better than it may have wandered since the fixes.
+    // If the gyroscope's bias may wander, its interval must be wider by as much as the bias may have wandered since the heading fixes.
     let wandering = biases(20.0, f64::INFINITY, Some(1e-4));
     assert!(wandering.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)) && wandering[19].width() > 1.3 * width);
 }
@@ -116,7 +116,8 @@ fn fixes_of_the_heading_narrow_the_bias_to_noise_and_width_over_time() {
 fn the_narrowest_heading_of_each_while_is_kept() {
     let known = biases_by(Compass { mostly_wide: true, ..RIGHT }, 23.5, Some(0.0));
     assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
-    // The bias is learnt from the narrow heading fix at 3 s, or the start, to the narrow fix at 23 s.
+    // Narrow heading fixes come within one second of every five. The bias must be learnt from the turn between the narrow fix at 3 s, or the start,
+    // and the narrow fix at 23 s.
     let expected = 2.0 * (NOISE_RAD_PER_S + 2.0 * FIX_RAD / 20.0);
     let width = known[22].width();
     assert!(width <= 1.1 * expected && width > 0.5 * expected, "{width} rad/s wide, expected {expected}");
@@ -125,7 +126,7 @@ fn the_narrowest_heading_of_each_while_is_kept() {
 #[test]
 fn a_doubt_takes_back_what_the_last_seconds_taught_of_the_bias() {
     let known = biases(20.0, 19.5, Some(0.0));
-    // The doubt at 20 s takes back what was learnt in the last 3 s.
+    // At 20 s a wrong heading makes the localizer doubt, which takes back what was learnt about the gyroscope's bias in the last 3 s.
     assert!(known[19].width() > known[18].width(), "{known:?}");
     assert!(known[19].width() <= known[15].width() + 1e-12, "{known:?}");
     assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
@@ -143,12 +144,12 @@ fn encoders_at_rest_narrow_the_bias_to_noise_and_the_turn_they_may_hide() {
     };
     let at_rest = known(&|_| 0, Some(rest_turn_rad));
     assert!(at_rest.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{at_rest:?}");
-    // By hand: from 0.5 s after the first encoder count on, the bias is known to the noise and the hidden turn over the elapsed time, to
-    // both sides.
+    // By hand: half of the bias's width is the bound on the gyroscope's noise, plus the turn that encoders at rest may hide (as declared) over the
+    // elapsed time, counted from 0.5 s after the first encoder reading.
     let expected = 2.0 * (NOISE_RAD_PER_S + rest_turn_rad / 9.5);
     let width = at_rest[10].width();
     assert!(width <= 1.1 * expected && width > 0.8 * expected, "{width} rad/s wide, expected {expected}");
-    // Nothing is learnt at rest when no hidden turn is declared, and nothing while the wheels turn.
+    // Nothing about the bias is learnt at rest unless a turn that encoders at rest may hide is declared, and nothing is learnt while the wheels turn.
     for as_declared in [known(&|_| 0, None), known(&|time_s| (time_s * 20.0) as i64, Some(rest_turn_rad))] {
         assert!((as_declared[10].width() - 0.02).abs() < 1e-9, "{as_declared:?}");
     }
@@ -171,8 +172,8 @@ fn a_heading_fixed_once_is_carried_on_without_a_toll_at_every_slot() {
         );
         width
     };
-    // By hand, the heading's width is the start's 0.004 rad, then 20 s of bias and noise, 0.0105 rad/s to either side, over a scale of
-    // 0.998.
+    // By hand, the heading's width after 20 s: 0.004 rad at the start, then 20 s of the gyroscope's bias and noise, 0.0105 rad/s to either side, over
+    // a scale of 0.998.
     let carried = width(Some((0.0, None)));
     let expected = 2.0 * FIX_RAD + 20.0 * 2.0 * (0.01 + NOISE_RAD_PER_S) / 0.998;
     assert!(carried < 1.02 * expected && carried > 0.9 * expected, "{carried}, expected {expected}");
@@ -196,8 +197,8 @@ fn a_bias_that_wanders_is_known_the_less_the_longer_nothing_fixes_the_heading() 
             widths.push(localizer.estimate().pose.hull()[2].width());
         },
     );
-    // By hand: each second adds gyroscope bias and noise to the heading's width, and the bias may be 0.001 rad/s farther off than in the
-    // second before.
+    // By hand: after the last heading fix, each second adds the gyroscope's bias and noise to the heading's width, and the bias may be 0.001 rad/s
+    // farther off than in the second before.
     let grown = |second: usize| widths[second] - widths[second - 1];
     assert!(grown(14) > grown(12) + 0.001, "{} and {}", grown(12), grown(14));
 }

@@ -55,7 +55,8 @@ fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
     for _ in 0..200 {
         let mut history = GyroHistory::new(model(), 10.0);
         let (_, mut readings) = turned(&mut rng, 1.0);
-        // The readings have gaps, and stamps so close that periods overlap by less than the amount at which a reading is refused.
+        // The gyroscope's readings have gaps, and some stamps are so close that the periods of two readings overlap, but by less than the overlap at
+        // which a reading is refused.
         readings.retain(|_| rng.random_range(0..8) > 0);
         readings.iter_mut().for_each(|(time_s, _)| *time_s -= 4e-6 * rng.random::<f64>());
         readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
@@ -64,7 +65,7 @@ fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
         let mut to_s = from_s;
         while to_s < 1.1 {
             assert_eq!(turns.to(to_s), history.turn(from_s, to_s, CHANGE_RAD_PER_S2), "from {from_s} to {to_s}");
-            // The next stamp asked for is at the end of a reading's period, within a period, or several periods later.
+            // The next stamp up to which the turn is computed is at the end of a reading's period, within a period, or several periods later.
             to_s = match rng.random_range(0..3) {
                 0 => readings.iter().map(|(time_s, _)| *time_s).find(|time_s| *time_s > to_s).unwrap_or(1.2),
                 1 => to_s + 0.003 * rng.random::<f64>(),
@@ -94,8 +95,8 @@ fn the_turn_is_inside_for_any_two_stamps() {
             n += 1;
         }
     }
-    // Width over a second: 2·(0.002 + 0.004) rad of bias and noise, 0.6 % of the turned angle, and twice the deviation of a chord from a
-    // bent curve.
+    // By hand, the turn over a second is at most this wide: 2·(0.002 + 0.004) rad for the gyroscope's bias and noise, 0.6 % of the turned angle for
+    // its scale, and twice the deviation of a chord from a bent curve.
     assert!(widest < 0.012 + 0.006 * 4.0 + 0.001, "{widest} rad after {n} turns");
 }
 
@@ -109,7 +110,8 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
         let kept = readings.iter().enumerate().filter(|(idx, _)| !(lost..lost + 3).contains(idx));
         kept.for_each(|(_, (time_s, rate))| history.push(*time_s, *rate));
         for _ in 0..50 {
-            // The two stamps may be anywhere: on both sides of the gap in the readings, within it, or after the last reading.
+            // The turn between any two stamps must be contained, whether these are on both sides of the gap in the gyroscope's readings, within the
+            // gap, or after the last reading.
             let from = rng.random_range(100..4000);
             let to = rng.random_range(from..=4000);
             let turn = history.turn(from as f64 * 1e-4, to as f64 * 1e-4, CHANGE_RAD_PER_S2).unwrap();
@@ -124,7 +126,8 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
 
 #[test]
 fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
-    // A steady 5 rad/s² from rest turns by 5/2·t² until t. Readings over periods of 0.1 s average 0.25, 0.75 and 1.25 rad/s.
+    // The true turn at a steady 5 rad/s² from rest is 5/2·t² rad at time t. Gyroscope readings over periods of 0.1 s are its mean rates: 0.25, 0.75
+    // and 1.25 rad/s.
     let exact = GyroModel {
         bias_rad_per_s: Interval::ZERO,
         scale: Interval::point(1.0),
@@ -141,7 +144,8 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
         let turn = history.turn(from_s, to_s, 5.0).unwrap();
         assert!(turn.contains(truth), "{truth} is not in {turn:?} from {from_s} to {to_s}");
     }
-    // Between two readings of 0 that are four seconds apart the rate may have risen to 1.5 rad/s at 1 rad/s² and come back.
+    // Two gyroscope readings of 0 rad/s are four seconds apart. 1.5 s after the first one the rate may have risen to 1.5 rad/s, in either direction,
+    // at 1 rad/s², and still be back at 0 for the second one.
     let mut sparse = GyroHistory::new(GyroModel { period_s: 0.01, ..exact }, 10.0);
     [(1.0, 0.0), (5.0, 0.0)].into_iter().for_each(|(end_s, rate)| sparse.push(end_s, rate));
     let turn = sparse.turn(2.4, 2.6, 1.0).unwrap();
@@ -158,7 +162,7 @@ fn a_pushed_robot_may_turn_about_within_a_period() {
     [0.01, 0.02, 0.03].into_iter().for_each(|end_s| history.push_rate(end_s, 0.0));
     let turn = history.reach_motion(0.01, 0.015, &reach)[2];
     assert!(turn.contains(0.008) && turn.contains(-0.008), "{turn:?}");
-    // Over whole periods the mean rate that was read gives the turn.
+    // Over whole periods of the gyroscope, the mean rate that it read determines the turn, whatever the robot did within the periods.
     let turn = history.reach_motion(0.01, 0.03, &reach)[2];
     assert!(turn.contains(0.0) && turn.width() < 1e-9, "{turn:?}");
 }
@@ -173,11 +177,12 @@ fn a_duplicate_and_a_latecomer_are_dropped_and_silence_is_no_answer() {
     history.push(0.02, 9.0);
     history.push(0.015, 9.0);
     assert_eq!(history.turn(0.0, 0.02, CHANGE_RAD_PER_S2).unwrap(), before);
-    // The expected turn is that of 0.02 s at 0.5 rad/s.
+    // The turn is that of 0.02 s at 0.5 rad/s, the rate of the first two readings: the duplicate and the late reading with 9 rad/s were dropped.
     assert!(before.contains(0.01) && before.width() < 0.0005, "{before:?}");
 }
 
-/// Motion by wheels that roll straight on for a second, of which each may slip by 2 %, and a gyroscope that reads the given rate.
+/// Motion, from the wheels and the gyroscope together, of a robot whose wheels roll straight on for a second and may slip by 2 % each, while the
+/// gyroscope reads the given rate.
 fn rolled(gyro_rad_per_s: f64) -> Option<localizer::motion::Motion> {
     let wheels = WheelModel {
         radius_m: [Interval::centred(0.1, 0.0001); 2],
@@ -203,10 +208,12 @@ fn rolled(gyro_rad_per_s: f64) -> Option<localizer::motion::Motion> {
 #[test]
 fn wheels_and_gyroscope_are_intersected() {
     let motion = rolled(0.0).unwrap();
-    // By the wheels alone, 0.24 m with 2 % on each side over a track of 0.33 m gives ±29 mrad; the gyroscope gives ±(0.002 + 0.004)·0.8 s.
+    // By hand, the turn is known to ±29 mrad from the wheels alone: 0.24 m with 2 % of slip on each side, over a track of 0.33 m. From the gyroscope
+    // it is known to ±(0.002 + 0.004)·0.8 s, and the box must be that narrow.
     assert!(motion[2].contains(0.0) && motion[2].width() < 2.0 * 0.0051, "{:?}", motion[2]);
     assert!(motion[0].contains(0.24) && motion[0].width() < 0.013, "{:?}", motion[0]);
-    // A narrower heading also bounds the sideways motion: 0.24 m times half of the turn, and what side slip allows.
+    // As the gyroscope narrows the turn, the sideways motion is bounded more narrowly too: by 0.24 m times half of the turn's width, plus what side
+    // slip allows.
     assert!(motion[1].contains(0.0) && motion[1].width() < 0.24 * 0.0104 + 0.0035, "{:?}", motion[1]);
 }
 
@@ -225,8 +232,8 @@ fn noise_that_is_bounded_over_spans_widens_the_turn_by_floor_and_rate_alone() {
         angle_rad_per_s: rate_rad_per_s,
         ..model()
     };
-    // The robot is at rest. Its gyroscope's accumulated noise rises to the floor as fast as the bound of one reading allows, goes on at the
-    // declared rate, and comes back.
+    // The robot is at rest. The sum of its gyroscope's noise rises to the floor of the declared bound as fast as the bound of one reading allows,
+    // goes on at the bound's rate, and comes back.
     let wanted =
         |time_s: f64| if time_s < 5.0 { floor_rad + rate_rad_per_s * time_s } else { rate_rad_per_s * (10.0 - time_s) };
     let (mut sum_rad, mut sums, mut history) = (0.0, vec![0.0], GyroHistory::new(model, 20.0));
@@ -244,8 +251,8 @@ fn noise_that_is_bounded_over_spans_widens_the_turn_by_floor_and_rate_alone() {
             assert!(turn.contains(0.0), "{turn:?} from {from_s} to {to_s}");
         }
     }
-    // By hand: floor + 10·rate, and 0.004·0.01 of a reading at either end, to both sides; by the bound of single readings it would be 0.08
-    // rad.
+    // By hand, half of the turn's width is the floor of the bound on accumulated noise, plus 10 s times its rate, plus 0.004·0.01 rad for a part of a
+    // reading at either end. With the bound on single readings alone, the width would be 0.08 rad.
     let width = history.turn(0.0, 10.0, 0.0).unwrap().width();
     let expected = 2.0 * (floor_rad + 10.0 * rate_rad_per_s + 2.0 * 0.004 * PERIOD_S);
     assert!((width - expected).abs() < 1e-9, "{width}, expected {expected}");
@@ -260,8 +267,8 @@ fn a_gap_in_the_readings_costs_the_floor_once_more() {
         (1..=500).filter(|step| !lost.contains(step)).for_each(|step| history.push(step as f64 * PERIOD_S, 0.0));
         history.turn(0.0, 5.0, 0.0).unwrap().width()
     };
-    // During the missing reading the robot may have turned at the rate beside it: 0.1 rad/s of noise and 0.002 rad/s of bias for 0.01 s, to
-    // both sides.
+    // A missing reading costs the floor of the bound on accumulated noise once more. In addition the robot may have turned during that reading at the
+    // rate read beside it: 0.1 rad/s of noise and 0.002 rad/s of bias for 0.01 s, to both sides.
     let (whole, gap) = (width(0..0), width(200..201));
     let beside = 2.0 * (0.1 + 0.002) * PERIOD_S / 0.997;
     let more = 2.0 * 0.0004 + beside;

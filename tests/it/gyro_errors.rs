@@ -1,4 +1,5 @@
-//! Tests of the gyroscope's bias and scale, learnt together from turns known from another source: against biases and turns made up here.
+//! Tests of learning the gyroscope's bias and scale together from turns that are known from another source; the true biases, scales and turns are
+//! made up by the tests.
 
 use interval::{Interval, contractor::Outcome};
 use localizer::{
@@ -32,13 +33,14 @@ fn the_bias_shrinks_at_rest_and_between_two_headings() {
             let noise = 0.00049 * if step % 3 == 0 { 1.0 } else { -1.0 };
             history.push(0.01 * f64::from(step), scale * rate + bias + noise);
         }
-        // A heading fix at either end bounds the gyroscope's true turn to an interval 0.004 rad wide.
+        // Heading fixes at the start and at the end bound the robot's true turn to an interval 0.004 rad wide.
         let read = history.sum(0.0, 10.0, 1.0).unwrap();
         let mut errors = GyroErrors::new(&gyro());
         assert_eq!(errors.learn([0.0, 10.0], read, Interval::centred(10.0 * rate, 0.002)), Outcome::Feasible);
         let known = errors.bias_over([10.0, 10.0]);
         assert!(known.contains(bias), "{known:?} at {rate} rad/s");
-        // The gyroscope's bias is known to the noise 0.0005, the turn 0.0002, and the scale error 0.002·rate, all in rad/s, to either side.
+        // By hand, half of the learnt bias's width is, in rad/s: 0.0005 for the gyroscope's noise, 0.0002 for the turn known from headings, and
+        // 0.002·rate for the error of the scale.
         let expected = 2.0 * (0.0005 + 0.0002 * 1.002 + SCALE_TOLERANCE * rate);
         assert!((known.width() - expected).abs() < 1e-5, "{} wide, expected {expected}", known.width());
     }
@@ -56,7 +58,8 @@ fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
     assert_eq!(still(&mut errors, [10.0, 20.0], [0.004, 0.005]), Outcome::Feasible);
     let at = |errors: &GyroErrors, stamp_s: f64| errors.bias_over([stamp_s; 2]);
     assert!(at(&errors, 20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));
-    // The bias wanders by up to 1e-5 rad/s² for 100 s, so that its interval widens.
+    // Since the last learning the bias may have wandered by up to 1e-5 rad/s² for 100 s, so that its interval must be wider by 0.001 rad/s to either
+    // side.
     assert!(at(&errors, 120.0).contains(0.0029) && !at(&errors, 120.0).contains(0.0028));
     assert!(matches!(still(&mut errors, [20.0, 21.0], [-0.009, -0.008]), Outcome::Empty(_)));
     errors.forget_since(15.0);
@@ -71,10 +74,12 @@ fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
     let mut errors = GyroErrors::new(&GyroModel { bias_wander_rad_per_s2: 1e-5, ..gyro() });
     let exact = |bias: [f64; 2], lasts_s: f64| Interval::new(bias[0] * lasts_s, bias[1] * lasts_s);
     assert_eq!(errors.learn([10.0, 20.0], exact([0.002, 0.006], 10.0), Interval::ZERO), Outcome::Feasible);
-    // The second span ends at an image's stamp of 8 s; the image is evaluated only after 20 s.
+    // The turn over the second time interval, from 0 s to the image stamp of 8 s, becomes known only after that of the first one, from 10 s to 20 s,
+    // because the image is evaluated late.
     assert_eq!(errors.learn([0.0, 8.0], exact([0.003, 0.008], 8.0), Interval::ZERO), Outcome::Feasible);
     let known = errors.bias_over([20.0; 2]);
-    // By hand: from the beginning of the span at 0 s to 20 s the bias wanders by up to 1e-5·20 rad/s.
+    // By hand: what was learnt from the time interval that begins at 0 s is widened by up to 1e-5·20 rad/s at 20 s, because the bias may wander that
+    // far in between.
     assert!(known.contains(0.0029) && !known.contains(0.0027) && known.contains(0.0060), "{known:?}");
     errors.forget_since(15.0);
     let declared = errors.bias_over([20.0; 2]);
@@ -85,7 +90,8 @@ fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
 fn laps_of_one_sense_hide_the_scale_in_the_bias_and_the_next_lap_pays_for_neither() {
     let exact = GyroModel { noise_rad_per_s: 0.0, ..gyro() };
     let (bias, scale) = (0.003, 0.9985);
-    // Each lap takes 40 s, with a quarter turn in each of four corners; headings are known to 2 mrad to either side.
+    // The robot drives laps of 40 s, each with a quarter turn in each of four corners, and all turns in the same sense. Headings are known to 2 mrad
+    // to either side.
     let lap_rad = std::f64::consts::TAU;
     let read = |turn_rad: f64, lasts_s: f64| Interval::point(scale * turn_rad + bias * lasts_s);
     let mut errors = GyroErrors::new(&exact);
@@ -96,10 +102,11 @@ fn laps_of_one_sense_hide_the_scale_in_the_bias_and_the_next_lap_pays_for_neithe
     );
     let next = errors.turn([80.0, 120.0], read(lap_rad, 40.0));
     assert!(next.contains(lap_rad), "{next:?}");
-    // By hand: the next lap's turn is known to half of the width for the two laps. The scale, whose 0.2 % are 25 mrad a lap, adds nothing.
+    // By hand: the bias and scale learnt from two laps give the next lap's turn to half of the width to which the turn of two laps was known. The
+    // scale, whose error of 0.2 % alone would be 25 mrad a lap, adds nothing.
     assert!(next.width() < 1.05 * 0.5 * known.width(), "{} rad wide", next.width());
-    // On a straight of 10 s the turn's width is that of a bias that hid a quarter lap's scale error, 2·0.002·π/2, and a quarter of one
-    // lap's width.
+    // On a straight of 10 s, a quarter of a lap's time, bias and scale do not compensate each other: the turn's width is 2·0.002·π/2, the error of
+    // the scale over a quarter of a lap, plus a quarter of the width for one lap.
     let straight = errors.turn([80.0, 90.0], read(0.0, 10.0));
     let expected = 2.0 * SCALE_TOLERANCE * lap_rad / 4.0 + known.width() / 8.0;
     assert!(straight.contains(0.0), "{straight:?}");
@@ -118,7 +125,8 @@ fn drive(rng: &mut ChaCha8Rng, model: &GyroModel) -> (Vec<[f64; 2]>, f64) {
         let turn = [0.0, 0.7, -0.2][rng.random_range(0..3)];
         let [heading, sum] = *states.last().unwrap();
         let next = if floor.is_finite() {
-            // The bias departs steadily from its constant, and the sum by up to half of the floor to either side of that.
+            // The accumulated error is that of a bias that differs from its constant value by the rate of the bound, plus a deviation of up to half
+            // of the bound's floor to either side.
             scale * (heading + turn) + (constant + rate * slower) * f64::from(second) + 0.5 * floor * corner(rng)
         } else {
             bias = (bias + wander * corner(rng)).clamp(-BIAS_TOLERANCE_RAD_PER_S, BIAS_TOLERANCE_RAD_PER_S);
@@ -161,6 +169,6 @@ fn biases_and_scales_at_their_corners_and_every_turn_stay_inside() {
         assert!(errors.scale().contains(scale), "round {round}: {scale} is not in {:?}", errors.scale());
     }
     assert!(n_learnt > 50_000);
-    // Without learning, a bias of ±0.01 rad/s and a scale error of ±0.002 at 0.7 rad/s would give twice this width.
+    // If bias and scale were not learnt, a bias of ±0.01 rad/s and a scale error of ±0.002 at 0.7 rad/s would make turns twice as wide as this limit.
     assert!(widest < 0.5 * 2.0 * (BIAS_TOLERANCE_RAD_PER_S + 0.7 * SCALE_TOLERANCE), "{widest} rad/s");
 }

@@ -156,7 +156,8 @@ fn excess(actual: &[Value], expected: &[Value]) -> Option<u64> {
     for pair in actual.iter().zip(expected) {
         let ulps = match pair {
             (Value::Interval(actual), Value::Interval(expected)) if expected.is_empty() => {
-                // The empty interval is the only tight result, and the excess of any other interval cannot be counted in units.
+                // Where the expected result is the empty interval, only the empty interval is right; how much too wide another result is cannot be
+                // counted in units in the last place.
                 actual.is_empty().then_some(0)?
             }
             (Value::Interval(actual), Value::Interval(expected)) if expected.is_subset_of(*actual) => {
@@ -193,7 +194,7 @@ fn read_cases() -> Option<Vec<Case>> {
     Some(paths.iter().flat_map(|path| parse_cases(&std::fs::read_to_string(path).unwrap())).collect())
 }
 
-/// Parses a case file, in which statements are `operation argument… = result…;` inside `testcase name { … }`.
+/// Parses a file of test cases of interval arithmetic, in which statements are `operation argument… = result…;` inside `testcase name { … }`.
 fn parse_cases(text: &str) -> Vec<Case> {
     let mut code = String::new();
     let mut rest = text;
@@ -209,7 +210,7 @@ fn parse_cases(text: &str) -> Vec<Case> {
 fn parse_statement(statement: &str) -> Option<Case> {
     let (left, right) = statement.split_once(" = ")?;
     let (operation, arguments) = left.trim().split_once(char::is_whitespace)?;
-    // A word `signal` after the result announces a warning, which is not compared.
+    // In a case file, the word `signal` after the expected result announces a warning, which is not compared.
     let expected = parse_values(right.split("signal").next()?)?;
     Some(Case {
         statement: statement.split_whitespace().collect::<Vec<_>>().join(" "),
@@ -219,7 +220,8 @@ fn parse_statement(statement: &str) -> Option<Case> {
     })
 }
 
-/// Parses arguments or results; `None` for values of decorated arithmetic that have no bare counterpart.
+/// Parses the arguments or results of a test case; `None` for values that exist only in decorated interval arithmetic and have no counterpart as
+/// plain intervals.
 fn parse_values(text: &str) -> Option<Vec<Value>> {
     let mut values = Vec::new();
     let mut rest = text.trim_start();
@@ -231,7 +233,7 @@ fn parse_values(text: &str) -> Option<Vec<Value>> {
         } else if let Some(inside) = rest.strip_prefix('[') {
             let (bounds, after) = inside.split_once(']')?;
             values.push(Value::Interval(parse_interval(bounds)?));
-            // The decoration, as in `[1, 2]_com`, says how the interval was computed and does not change it.
+            // In a case file, the decoration of an interval, as in `[1, 2]_com`, says how the interval was computed and does not change it.
             rest = after.trim_start_matches(|c: char| c == '_' || c.is_ascii_alphabetic());
         } else {
             let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));

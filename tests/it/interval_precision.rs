@@ -242,7 +242,8 @@ fn random_expressions_enclose_the_real_value() {
 
 #[test]
 fn an_underflow_does_not_cross_zero() {
-    // A product of positive numbers is positive, however small, so that the interval of its reciprocal stays on one side of zero.
+    // The product of two small positive numbers is positive even where the double underflows to 0: the interval of its reciprocal must stay on one
+    // side of zero.
     let tiny = Interval::new(1e-200, 2e-200);
     assert!((tiny * tiny).lo() >= 0.0 && (tiny * -tiny).hi() <= 0.0);
     assert!((tiny * tiny).recip().lo() > 0.0);

@@ -3,7 +3,7 @@
 use interval::{Interval, IntervalBox};
 use proptest::prelude::*;
 
-/// Strategy for a bound of an interval: any double but NaN by its bits, or a number of ordinary size, whole or not.
+/// Generator of random bounds of an interval: any double but NaN by its bits, or a number of ordinary size, whole or not.
 fn bound() -> impl Strategy<Value = f64> {
     prop_oneof![any::<u64>().prop_map(f64::from_bits), -100.0..100.0f64, (-1000..1000i32).prop_map(f64::from)]
         .prop_filter("a bound is not NaN", |bound| !bound.is_nan())

@@ -1,5 +1,5 @@
-//! Tests of the point methods that the interval boxes are compared with: least squares and closest points, bare and with gates and weights
-//! as in practice, and Table IV as it is printed in paper 3.
+//! Tests of the point methods with which the interval boxes for landmarks without a map (paper 3) are compared: least squares and iterative closest
+//! points, plain and with gates and weights as in practice. Also tests of the interval contractor of that paper's Table IV, exactly as printed.
 
 use interval::{Interval, contractor::Contractor};
 use localizer::{
@@ -16,7 +16,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Places of four landmarks as in paper 3.
+/// Positions of four landmarks in the example of paper 3 (landmarks without a map).
 const PLACES: [[f64; 2]; 4] = [[3.0, 2.0], [-2.0, 3.0], [-3.0, -2.5], [2.5, -3.0]];
 
 fn in_robot(pose: Pose, [x_m, y_m]: [f64; 2]) -> [f64; 2] {
@@ -30,7 +30,7 @@ fn assert_near(found: Pose, expected: Pose, within: f64) {
     assert!(gap.iter().all(|gap| gap.abs() < within), "{found:?}, expected {expected:?}");
 }
 
-/// Point that is known equally well in all directions.
+/// A point whose position has the given variance in every direction, and no correlation between x and y.
 fn round([x_m, y_m]: [f64; 2], variance_m2: f64) -> WeightedPoint {
     WeightedPoint { at_m: Vector2::new(x_m, y_m), covariance_m2: Matrix2::identity() * variance_m2 }
 }
@@ -39,7 +39,7 @@ fn exactly(pose: Pose) -> WeightedPose {
     WeightedPose { pose, covariance: Matrix3::zeros() }
 }
 
-/// Boxes of the landmarks, with errors of up to ±0.1 m in the world frame and in the robot frame.
+/// Boxes of the landmarks as they are known in the world frame and seen in the robot frame: of ±0.1 m, around values with errors of up to 0.1 m.
 fn measured(pose: Pose, rng: &mut ChaCha8Rng) -> Vec<Landmark> {
     let boxed = |place: [f64; 2], rng: &mut ChaCha8Rng| {
         place.map(|value| Interval::centred(value + 0.1 * rng.random_range(-1.0..1.0), 0.1))
@@ -59,8 +59,8 @@ fn least_squares_recovers_an_exact_motion_at_every_heading() {
 
 #[test]
 fn least_squares_never_mirrors() {
-    // If points are seen mirrored, the best rotation must still be a rotation: three points nearly on a line, one of them on the wrong
-    // side.
+    // Three points nearly on a line are seen with one of them on the wrong side, as in a mirror. A mirroring would fit best, but the least-squares
+    // pose must still be a rotation.
     let pairs = [([0.0, 0.0], [0.0, 0.0]), ([1.0, 0.1], [1.0, -0.1]), ([2.0, 0.0], [2.0, 0.0])];
     assert_near(least_squares(&pairs).unwrap(), Pose { x_m: 0.0, y_m: 0.2 / 3.0, heading_rad: 0.0 }, 1e-12);
 }
@@ -70,7 +70,8 @@ fn closest_points_find_the_pose_from_nearby_only() {
     let truth = Pose { x_m: 0.4, y_m: -0.3, heading_rad: 0.2 };
     let view: Vec<_> = PLACES.iter().rev().map(|place| in_robot(truth, *place)).collect();
     assert_near(closest_points(&PLACES, &view, Pose::default()), truth, 1e-9);
-    // From half a turn away each point is nearest to a wrong one, and without codes that cannot be noticed.
+    // If the search for closest points starts half a turn away from the true heading, each point is matched with a wrong landmark; points without
+    // codes cannot reveal that.
     let astray = closest_points(&PLACES, &view, Pose { heading_rad: 3.3, ..truth });
     assert!((astray.heading_rad - 0.2).abs() > 1.0, "{astray:?}");
 }
@@ -97,7 +98,8 @@ fn the_printed_table_keeps_one_quarter_of_headings_and_ours_keep_all() {
             assert!(boxes.iter().any(|one| one.contains(&truth.to_array())), "{name} lost {truth:?}");
         }
     }
-    // The quarters are counted from −180°. The printed table's arcsine and arccosine together allow headings from 0 to 90° only.
+    // Headings are divided into four quarters, counted from −180°. The printed table has an arcsine and an arccosine, which together allow headings
+    // from 0 to 90° only, the quarter with index 2.
     for (quarter, [kept, all]) in kept_by_quarter.into_iter().enumerate() {
         let share = kept as f64 / all as f64;
         assert!(if quarter == 2 { share > 0.9 } else { share == 0.0 }, "quarter {quarter}: {share}");
@@ -106,7 +108,7 @@ fn the_printed_table_keeps_one_quarter_of_headings_and_ours_keep_all() {
 
 #[test]
 fn in_the_papers_own_problem_the_printed_table_is_wider_than_one_shot() {
-    // Errors as in the problem of the paper's Fig. 5, as shares of 0.1 m.
+    // Errors of the four landmarks in the problem of paper 3's Fig. 5 (landmarks without a map), as shares of the bound of 0.1 m.
     let errors =
         [[[0.5, -0.3], [-0.2, 0.4]], [[-0.7, 0.2], [0.6, -0.6]], [[0.1, 0.6], [0.3, 0.1]], [[-0.4, -0.5], [-0.5, 0.7]]];
     let truth = Pose { x_m: 1.0, y_m: 0.5, heading_rad: 0.4 };
@@ -130,7 +132,8 @@ fn in_the_papers_own_problem_the_printed_table_is_wider_than_one_shot() {
     assert_eq!((SOLVERS[2].0, ours.len()), ("one_shot", 1));
     assert!(printed.contains(&truth.to_array()) && ours[0].contains(&truth.to_array()));
     assert!((0..3).all(|axis| ours[0].width(axis) < 0.8 * printed.width(axis)), "{ours:?} beside {printed:?}");
-    // A single pass of the rigid contractor is already sound, but gives a wider box.
+    // A single pass of the contractor for rigid motions also contains the true pose, but gives a box at least as wide as that of the solver in one
+    // go.
     let mut once = prior;
     RigidPlanar::new(&landmarks).contract(&mut once);
     assert!((0..3).all(|axis| ours[0].width(axis) <= once.width(axis)));
@@ -138,26 +141,26 @@ fn in_the_papers_own_problem_the_printed_table_is_wider_than_one_shot() {
 
 #[test]
 fn a_stereo_sight_errs_along_its_ray_by_range_over_baseline_more_than_across() {
-    // The landmark is 4 m ahead, in a box of ±3 cm by ±4 cm. Half of the box's diagonal is 5 cm, and a share of 0.12 m in 4 m of it is 1.5
-    // mm across the ray.
+    // By hand: the landmark is 4 m ahead, known to within ±3 cm by ±4 cm. Half of this box's diagonal, 5 cm, is the error along the ray from the
+    // camera; across the ray it is smaller by baseline over distance, 0.12 m in 4 m: 1.5 mm.
     let in_robot_m = [Interval::centred(4.0, 0.03), Interval::centred(0.0, 0.04)];
     let seen = WeightedPoint::of_stereo(in_robot_m, 0.12);
     let expected = Matrix2::new(0.05_f64.powi(2) / 3.0, 0.0, 0.0, 0.0015_f64.powi(2) / 3.0);
     assert!((seen.covariance_m2 - expected).amax() < 1e-12, "{seen:?}");
-    // For a landmark seen diagonally, each axis of the frame has half of the sum of the variances along and across the ray.
+    // The landmark is seen at 45°, so that each axis of the robot frame gets half of the sum of the variances along and across the ray.
     let askew = WeightedPoint::of_stereo([Interval::centred(3.0, 0.04), Interval::centred(3.0, 0.03)], 0.0);
     assert!((askew.covariance_m2 - Matrix2::repeat(0.5 * 0.0025 / 3.0)).amax() < 1e-12, "{askew:?}");
 }
 
 #[test]
 fn a_weighted_fit_is_the_weighted_mean_where_that_is_all_there_is() {
-    // Both points are on the x axis, so that a turn moves neither along the axis: one demands a shift of 3 cm with variance 1, the other
-    // none with variance 2.
+    // Two matched pairs of points on the x axis, along which a turn of the robot moves neither of them: one pair demands a shift of 3 cm with
+    // variance 1, the other one no shift with variance 2.
     let matches =
         [(round([1.03, 0.0], 0.0), round([1.0, 0.0], 1.0)), (round([-1.0, 0.0], 0.0), round([-1.0, 0.0], 2.0))];
     let fit = weighted_fit(&matches, None).unwrap();
     assert_near(fit.pose, Pose { x_m: 0.02, y_m: 0.0, heading_rad: 0.0 }, 1e-9);
-    // The variance of the weighted mean is 1 / (1 + 1/2).
+    // The variance of the weighted mean of two shifts with variances 1 and 2 is 1 / (1 + 1/2).
     assert!((fit.covariance[(0, 0)] - 2.0 / 3.0).abs() < 1e-9, "{fit:?}");
     assert!(weighted_fit(&matches[..1], None).is_none());
 }
@@ -168,7 +171,8 @@ fn a_landmark_is_the_weighted_mean_of_its_sights() {
     let mut learnt = LearntPoint::new(&round([1.0, 0.0], 1e-4), &here).unwrap();
     learnt.learn(&round([1.02, 0.0], 3e-4), Pose::default());
     let place = learnt.place();
-    // The weighted mean is (3·1.00 + 1·1.02)/4, and its variance is 1/(1 + 1/3) of the first variance.
+    // A landmark is seen at 1.00 and then, with three times the variance, at 1.02: the weighted mean is (3·1.00 + 1·1.02)/4, and its variance is 1/(1
+    // + 1/3) of that of the first sighting.
     assert!((place.at_m - Vector2::new(1.005, 0.0)).norm() < 1e-12, "{place:?}");
     assert!((place.covariance_m2 - Matrix2::identity() * 0.75e-4).amax() < 1e-12, "{place:?}");
     // A landmark first seen from a heading with a variance of 1e-4 inherits that variance times its distance squared, across the ray, for
@@ -191,8 +195,8 @@ fn what_odometry_leaves_open_grows_with_the_way() {
         side_slip_floor_m: 0.0,
         slip_window_s: 0.2,
     };
-    // The robot drives straight on by 1 m, with its heading known to a variance of 1e-4: either wheel may slip by 3 cm, which turns it by
-    // 2·3 cm/0.5 m.
+    // The robot drives straight on by 1 m, with its heading known to a variance of 1e-4. Each wheel may slip by 3 cm, so that the heading may be off
+    // by 2·3 cm over the track of 0.5 m.
     let mut before = exactly(Pose { x_m: 5.0, y_m: 0.0, heading_rad: 0.0 });
     before.covariance[(2, 2)] = 1e-4;
     let (from, to) = (Pose::default(), Pose { x_m: 1.0, ..Pose::default() });
@@ -213,7 +217,7 @@ fn correspondences_that_contradict_the_others_are_left_out() {
     let (pose, agree) = ransac(&matches).unwrap();
     assert_near(pose.pose, truth, 1e-9);
     assert_eq!(agree, [false, true, true, true, false]);
-    // Of three correspondences of which two are exchanged, no three agree.
+    // Two of these three correspondences are the exchanged ones, so that no three of them agree on a pose.
     assert!(ransac(&[matches[0], matches[1], matches[4]]).is_none());
 }
 
@@ -226,19 +230,19 @@ fn a_landmark_first_taken_for_another_is_put_right() {
     };
     let mut map = RansacMap::default();
     let start = exactly(Pose::default());
-    // The last landmark's code is first seen at a place where there is no landmark.
+    // The first view sees the code of the last landmark at a place where there is no landmark, so that its position is learnt wrongly.
     let mut wrong = view(Pose::default(), 5);
     wrong[4].1 = round([1.0, 1.0], 1e-4);
     assert_near(map.fix(&wrong, start).pose, Pose::default(), 1e-12);
     let moved = Pose { x_m: 0.2, y_m: 0.1, heading_rad: 0.3 };
     (0..2).for_each(|_| assert_near(map.fix(&view(moved, 5), start).pose, moved, 1e-9));
-    // These three sightings agree on a pose only if the place learnt for the last code has been corrected; otherwise the fix would be the
-    // prediction.
+    // Of these three sightings one is of the last landmark. They agree on a pose only if the position learnt for that landmark has been corrected;
+    // otherwise the map would return the predicted pose.
     let by_last: Vec<_> = view(moved, 5).into_iter().skip(2).collect();
     let predicted = WeightedPose::of_bounds(Pose { x_m: 0.25, ..moved }, [0.1; 3]);
     assert_near(map.fix(&by_last, predicted).pose, moved, 1e-9);
-    // Three sightings of landmarks may agree by chance, so that they do not move a robot that odometry knows to be elsewhere; five
-    // sightings do.
+    // Three sightings may agree on a wrong pose by chance. So they must not move a robot whose pose is exactly known from odometry; five sightings
+    // must move it.
     assert_near(map.fix(&by_last, start).pose, Pose::default(), 1e-12);
     assert_near(map.fix(&view(moved, 5), start).pose, moved, 1e-9);
 }
@@ -252,7 +256,7 @@ fn gated_closest_points_match_one_to_one_learn_what_is_new_and_refuse_what_odome
     let mut map = GatedIcp::default();
     map.fix(&view(Pose::default(), &PLACES), about(Pose::default()));
     assert_eq!(map.n_landmarks(), 4);
-    // The pose is predicted 5 cm and 0.03 rad off, and the points are seen in another order, with a fifth that is new.
+    // The predicted pose is 5 cm and 0.03 rad off. The four landmarks are seen in another order, together with a fifth one that is new.
     let truth = Pose { x_m: 0.5, y_m: 0.2, heading_rad: 0.1 };
     let mut places: Vec<[f64; 2]> = PLACES.iter().rev().copied().collect();
     places.push([0.0, 4.0]);
@@ -264,7 +268,8 @@ fn gated_closest_points_match_one_to_one_learn_what_is_new_and_refuse_what_odome
     places.push([3.0, 2.02]);
     assert_near(map.fix(&view(truth, &places), about(truth)).pose, truth, 1e-9);
     assert_eq!(map.n_landmarks(), 5);
-    // With the robot put a metre away nothing is within the gate, so that the pose by odometry is kept.
+    // If the robot is moved by a metre while odometry claims to know its pose exactly, no seen point is near enough to a landmark to be matched
+    // (within the gate), so that the pose by odometry is kept.
     let away = Pose { x_m: truth.x_m + 1.0, ..truth };
     let kept = map.fix(&view(away, &PLACES), exactly(truth));
     assert_near(kept.pose, truth, 1e-12);

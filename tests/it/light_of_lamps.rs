@@ -23,7 +23,7 @@ pub(crate) fn black_room(more: &str) -> Scene {
     Scene::parse(&text, "room.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// Illuminance of the floor at a point, in lux; visible light of 555 nm is its own equivalent.
+/// Illuminance of the floor at a point, in lux. The lamps of these tests emit light of 555 nm, for which the stored value needs no conversion.
 fn at_floor(map: &LightMap, building: &Building, x_m: f64, y_m: f64) -> f64 {
     let floor = building.panels.iter().position(|panel| panel.part == Part::Floor).unwrap();
     map.at(floor, x_m / 4.0, y_m / 3.0, 0)
@@ -47,9 +47,9 @@ fn a_bulb_follows_the_inverse_square_and_the_cosine() {
     let (building, _, map) = baked(&black_room(BULB), &[]);
     // A bulb of 1256.637 lm in all directions has 100 cd; straight below it, at a distance of 2 m, the floor has 100/4 lx.
     close(at_floor(&map, &building, 1.0, 1.5), 25.0, 0.01);
-    // At 2 m aside from the point below the bulb: d² = 8, cos = 2/√8.
+    // Expected illuminance at 2 m aside from the floor point below the bulb, which hangs 2 m high: d² = 8, cos = 2/√8.
     close(at_floor(&map, &building, 3.0, 1.5), 100.0 / 8.0 * (2.0 / 8_f64.sqrt()), 0.01);
-    // At 2.9 m and 1.4 m aside from the point below the bulb: d² = 4 + 8.41 + 1.96.
+    // Expected illuminance at 2.9 m along x and 1.4 m along y from the floor point below the bulb, which hangs 2 m high: d² = 4 + 8.41 + 1.96.
     close(at_floor(&map, &building, 3.9, 2.9), 100.0 * 2.0 / 14.37_f64.powf(1.5), 0.01);
 }
 
@@ -74,8 +74,8 @@ fn a_panel_gives_what_the_closed_form_of_a_rectangle_says() {
 
 #[test]
 fn an_upright_surface_sees_only_what_is_before_it() {
-    // A rectangle overhead, half of it behind an upright surface, gives E = L/2·(atan(b/h) − h/√(a² + h²)·atan(b/√(a² + h²))) for each
-    // corner rectangle, a deep and b wide, in front of the surface and h above the point.
+    // Expected irradiance of an upright surface by a rectangle overhead, half of which is behind the surface: E = L/2·(atan(b/h) − h/√(a² +
+    // h²)·atan(b/√(a² + h²))) for each corner rectangle, a deep and b wide, in front of the surface and h above the point.
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| vector![x, y, 1.5]);
     let (a, b, h) = (1.0_f64, 1.0_f64, 1.5_f64);
     let one = 0.5 * ((b / h).atan() - h / a.hypot(h) * (b / a.hypot(h)).atan());
@@ -113,7 +113,8 @@ fn lamps_without_output_give_what_the_light_states() {
 
 #[test]
 fn illuminance_at_the_camera_is_that_on_an_upright_plane_at_its_lens() {
-    // The bulb is 1.12 m ahead of the start less the lens's 0.12 m, and 2 m − 0.25 m above the lens: E = I·cos θ/d².
+    // Expected illuminance on an upright plane at the lens, facing ahead: the bulb is 1.12 m ahead of the robot's start, less 0.12 m for the lens,
+    // and 2 m − 0.25 m above the lens: E = I·cos θ/d².
     let scene = black_room(&format!(
         "{}[light]\nilluminance_at_camera_lux = 0.1\n[robot.forward_camera]\n[floor.tiles]\n\
          tile_albedo = 0.0\njoint_albedo = 0.0\n",
@@ -143,7 +144,7 @@ fn shadow_edges_are_where_similar_triangles_put_them() {
         let place = |index: i32| from + (to - from) * f64::from(index) / 2000.0;
         place((0..2000).find(|index| (share(place(*index)) - 0.5).signum() != (share(from) - 0.5).signum()).unwrap())
     };
-    // The nodes of the light map are 0.05 m apart.
+    // The light map stores the floor's illuminance at nodes 0.05 m apart; a shadow's edge must be found much more precisely than that.
     for (edge, expected) in [(crossing(1.85, 2.4), 2.0), (crossing(2.4, 2.95), 2.8)] {
         assert!((edge - expected).abs() < 0.01, "{edge}, expected {expected}");
     }
@@ -171,18 +172,18 @@ fn the_shadow_of_a_person_ends_where_rays_past_head_and_shoulders_meet_the_floor
         let half = |step: &i32| share(at(f64::from(*step) / 1000.0)[0], at(f64::from(*step) / 1000.0)[1]) > 0.5;
         f64::from((0..1000).find(half).unwrap()) / 1000.0
     };
-    // Nodes of the light map are 0.05 m apart, and a shadow's edge is placed to half of that.
+    // The light map stores the floor's illuminance at nodes 0.05 m apart; the edge of a person's shadow is right to within half of that.
     let end = 2.0 + crossing(&|share| [2.0 + share, 1.5]);
     assert!((end - 2.2).abs() < 0.025, "the head's shadow ends at {end}");
-    // The person is taken to be 0.15 m wide to either side of the axis: at x = 2 the ray that passes 0.15 m beside the axis is y = 0.25/√(1
-    // − 0.25²) aside.
+    // The person's shadow is as wide as that of a body that reaches 0.15 m to either side of its axis: at x = 2, the ray from the bulb that passes
+    // 0.15 m beside the axis is y = 0.25/√(1 − 0.25²) aside.
     let side = crossing(&|share| [2.0, 1.5 + share]);
     assert!((side - 0.2582).abs() < 0.025, "the shoulder's shadow ends {side} aside");
 }
 
 #[test]
 fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
-    // A long board is under half of the panel, and the point is straight below the board's edge.
+    // A long board hangs under one half of the lamp, a panel, and the point whose illuminance is tested is straight below the board's edge.
     let panel = Source {
         shape: Shape::Rectangle {
             centre: Point3::new(0.0, 0.0, 2.0),
@@ -221,7 +222,8 @@ fn light_bounces_as_in_an_integrating_sphere() {
                 skirting_height_m = 0.0\n[start]\nx_m = 1.3\ny_m = 1.3\n[[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n\
                 [light]\nilluminance_at_floor_lux = 100\n";
     let (building, _, map) = baked(&Scene::parse(text, "cube.toml").unwrap(), &[]);
-    // The sum of direct and bounced illuminance over the room, times the albedo, is the exitance; the lamps give the flux Φ in all.
+    // Mean of direct and bounced illuminance over all surfaces of one kind in the room. Times the albedo it is their mean exitance (light given off
+    // per area).
     let mean = |part: Part| {
         let panels = || building.panels.iter().enumerate().filter(|(_, panel)| panel.part == part);
         let sum: f64 = panels()
@@ -233,14 +235,16 @@ fn light_bounces_as_in_an_integrating_sphere() {
         sum / panels().count() as f64
     };
     let mean_illuminance = (mean(Part::Floor) + 4.0 * mean(Part::Wall) + mean(Part::Ceiling)) / 6.0;
-    // The only lamp gives 1000 lm before dimming; every face absorbs 1 − ρ of the light that arrives.
+    // In a closed room all light of the lamp is absorbed in the end. The lamp gives 1000 lm before dimming, and every face absorbs the share 1 − ρ of
+    // the light that arrives.
     let area_m2 = 6.0 * 2.6 * 2.6;
     close(mean_illuminance, 1000.0 / (area_m2 * (1.0 - 0.4)), 0.02);
 }
 
 #[test]
 fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
-    // Two rooms of 3 m by 3 m, with the lamp in the first one; without the frames of its doors a room is floor, walls and ceiling.
+    // Two rooms of 3 m by 3 m, with the lamp in the first one. The surfaces of a room are its floor, walls and ceiling; the frames of the doors are
+    // left out.
     let rooms = |hole: &str| {
         let text = format!(
             "[room]\nwidth_m = 3.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.7\nceiling_albedo = 0.8\n\
@@ -250,7 +254,7 @@ fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
         );
         baked(&Scene::parse(&text, "two.toml").unwrap_or_else(|error| panic!("failed to {error}")), &[])
     };
-    // Light that all surfaces of a room absorb, from what falls on them and the share that they do not reflect.
+    // Light flux in lumens that all surfaces of one room absorb: what falls on them, times the share that they do not reflect.
     let taken_lm = |(building, _, map): &(Building, Lighting, LightMap), room: usize| -> f64 {
         let panels = building.panels.iter().enumerate();
         let of_room = panels.filter(|(_, panel)| panel.room == room && panel.part != Part::Thing);
@@ -268,8 +272,8 @@ fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
     let open = rooms("[[building.door]]\nfrom_m = [3.0, 0.5]\nto_m = [3.0, 2.0]\nheight_m = 2.0\nopen = true\n");
     let (first_lm, second_lm) = (taken_lm(&open, 0), taken_lm(&open, 1));
     close(first_lm + second_lm, 1000.0, 0.02);
-    // The doorway's share of the light that bounces in the first room leaves it, and the lamp also shines directly through the doorway onto
-    // the floor.
+    // The second room, which has no lamp, gets the share of the light bounced in the first room that meets the open doorway, and the light that the
+    // lamp shines through it onto the floor.
     assert!((100.0..300.0).contains(&second_lm), "{first_lm} and {second_lm} lm");
 }
 
@@ -289,7 +293,7 @@ fn openings_are_as_large_as_doors_and_seams() {
     let found = openings(&format!("{beside}{door}"));
     assert_eq!((found.len(), found[0].rooms, found[0].holes.len()), (1, [0, 1], 1));
     close(found[0].area_m2, 0.9 * 2.0, 1e-9);
-    // The second room reaches half a metre into the first: the opening is as wide as the second room, from floor to ceiling.
+    // Here the second room reaches half a metre into the first: the opening between them is as wide as the second room, from floor to ceiling.
     let joined = openings(&beside.replace("x_m = 4.0", "x_m = 3.5"));
     assert_eq!((joined.len(), joined[0].rooms), (1, [0, 1]));
     close(joined[0].area_m2, 2.0 * 2.5, 1e-5);
@@ -320,7 +324,8 @@ fn light_that_bounces_has_no_step_where_rooms_run_into_each_other() {
     for normal in [Vector3::z(), Vector3::y()] {
         let (before, behind) = (bounced(&joined, 3.98, normal, 0), bounced(&joined, 4.02, normal, 1));
         assert!((behind / before - 1.0).abs() < 0.05, "{normal:?}: {before} and {behind} lx at the seam");
-        // The light is darker away from the lamp, as it should be, and lies around the mean of the undivided room.
+        // The light bounced in the joined rooms is brighter near the lamp than far from it, and its value in the middle of one undivided room of the
+        // same size lies between the two.
         let (near, far) = (bounced(&joined, 1.5, normal, 0), bounced(&joined, 6.5, normal, 1));
         let mean = bounced(&whole, 3.75, normal, 0);
         assert!(near > mean && mean > far && far > 0.3 * near, "{near}, {mean}, {far} lx");
@@ -336,7 +341,7 @@ fn photons_of_a_lux_are_those_of_published_conversions() {
     close(micromoles(Spectrum::Daylight), 1.0 / 54.0, 0.05);
     close(micromoles(Spectrum::Tube), 1.0 / 74.0, 0.08);
     close(micromoles(Spectrum::Incandescent), 1.0 / 50.0, 0.05);
-    // White light-emitting diodes lie between tubes and sunlight, and have nothing in the infrared.
+    // White light-emitting diodes give a number of photons per lux between those of tubes and sunlight, and hardly any light in the infrared.
     let led = Photons::of(Spectrum::Led);
     assert!((1.0 / 80.0..1.0 / 55.0).contains(&micromoles(Spectrum::Led)) && led.infrared < 0.01);
     assert!(Photons::of(Spectrum::Incandescent).infrared > 1.0);

@@ -89,7 +89,7 @@ fn a_viewer_sees_a_run_in_real_time_with_definitions_and_mounts() {
         assert!(!heard[topic].is_empty(), "{topic}");
     }
     assert!(!channels.keys().any(|topic| topic.starts_with("/wherein/")), "{channels:?}");
-    // The messages that were shown live are those that were recorded.
+    // The estimates that the viewer was shown live must be the same messages as those in the recording.
     let bytes = fs::read(place.join("renders/scene/0/recording.mcap")).unwrap();
     let recorded: Vec<(u64, Vec<u8>)> = mcap::MessageStream::new(&bytes)
         .unwrap()

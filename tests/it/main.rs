@@ -1,4 +1,4 @@
-//! A single binary with all integration tests. Each module states at its top what belongs in it.
+//! A single binary with all integration tests. The comment at each `mod` line says what the tests of that module check.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 /// Helpers that run the `wherein` command in temporary folders, each test in its own.
@@ -30,12 +30,13 @@ mod range_landmarks_solvers;
 mod range_landmarks_drive;
 /// Tests of gaps between sightings of a landmark's code, and of constraints that must not outlive the sightings that they were derived from.
 mod range_landmarks_gaps;
-/// Tests of point methods and the paper's contractor as printed, compared with the sound interval contractors.
+/// Tests of point methods for landmarks without a map, and of paper 3's contractor as printed, compared with the sound interval contractors.
 mod landmark_baselines;
 /// Tests of the point method that computes the pose from ceiling markers for a camera whose vertical is known.
 mod marker_baselines;
 /// Tests of the rotation that the gyroscope encloses, against rotation integrated in much finer steps.
 mod gyro_enclosure;
+/// Tests of learning the gyroscope's bias and scale from turns that are known from another source.
 mod gyro_errors;
 /// Tests of the simulated range camera, gyroscope and people against geometry worked out by hand.
 mod range_sensing;
@@ -47,11 +48,13 @@ mod floor_tiles_geometry;
 mod wall_directions_geometry;
 /// Tests of the detection of straight edges and features in images of known brightness.
 mod dark_vision;
+/// Tests of whole runs at 0.1 lx that take the heading from level edges of walls.
 mod dark_runs;
+/// Tests of the localizer's learning of the gyroscope's bias from heading fixes and at rest, and of unlearning it after a doubt.
 mod gyro_bias_learning;
-/// Tests of the motion that the flow sensor encloses, against motion integrated in much finer steps, and of the gyroscope's bias.
+/// Tests of the motion that the flow sensor encloses, against motion integrated in much finer steps, and of wheels that provably slip.
 mod flow_enclosure;
-/// Tests of paper 2's slip decision, database of directions and pose graph.
+/// Tests of the point methods of paper 2: the slip decision between wheels and flow sensor, the database of wall directions, and the pose graph.
 mod dark_baselines;
 /// Tests of computing poses from ceiling markers, against a camera and a ceiling written for these tests alone.
 mod ceiling_markers_geometry;
@@ -59,6 +62,7 @@ mod ceiling_markers_geometry;
 mod ceiling_pasted;
 /// Tests of the calibration of a camera's lens and of its mounting position, on rendered images.
 mod calibration_rendered;
+/// Tests of whole runs that localize by markers on the ceiling.
 mod ceiling_runs;
 /// Tests of the proof that markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;
@@ -82,15 +86,19 @@ mod carpet_runs;
 mod found_motion;
 /// Tests of gyroscope, flow sensor and delivery of readings against closed forms and geometry worked out by hand.
 mod motion_sensors;
-/// Tests of routes that are driven by estimates, and of the default bounds on such a drive.
+/// Tests of the bounds on sensors and surroundings that a careful user can know: where they apply, and that they hold the truth in six scenes.
 mod careful_bounds;
+/// Tests of a gyroscope whose noise is not redrawn when it exceeds its bound: how long its accumulated error stays within the declared band.
 mod gyro_band;
+/// Tests of a mobile base whose clock has an unknown offset: its time stamps, the estimates for true instants, and whole runs.
 mod base_clock;
+/// Tests of errors that are drawn anew for every reading, and of those that always push to one side (drift), against their bounds.
 mod world_drifts;
+/// Tests of routes that the robot drives by estimated poses, and of the default bounds on such a drive.
 mod world_driver;
 /// Tests of occupancy grids, paths through them and their files, against maps drawn by hand and the rules of ROS's map_server.
 mod navigation_map;
-/// Tests of errands: control laws worked out by hand, wrong estimates, blocked paths, and what a run reports about its errands.
+/// Tests of errands (drives to goals): control laws worked out by hand, wrong estimates, blocked paths, and what a run reports about its errands.
 mod navigation_drive;
 /// Tests of the wheel encoders against the definition of a tick.
 mod world_encoder;
@@ -121,6 +129,7 @@ mod render_photons;
 mod render_projection;
 /// Tests of the light of lamps against closed forms, of shadows against similar triangles, and of spectra against published figures.
 mod light_of_lamps;
+/// Tests of the live view of a run in a viewer that speaks Foxglove's WebSocket protocol.
 mod live_view;
 /// Tests of rooms rendered through lenses, against projections written for these tests alone.
 mod render_room;

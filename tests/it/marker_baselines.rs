@@ -47,7 +47,8 @@ const TRUTH: Pose = Pose { x_m: 1.0, y_m: 2.0, heading_rad: 0.5 };
 /// Places of the dots on a marker's grid: the three direction dots and two coded dots.
 const PLACES: [GridPlace; 5] = [[0, 0], [3, 0], [0, 3], [1, 1], [2, 1]];
 
-/// A marker at a place on the ceiling that is read as marker `id`; its dots are shifted by `off_px` to alternate sides.
+/// What the camera sees of a marker at a place on the ceiling, which is read as marker `id`. In the image its dots are shifted by `off_px`, one dot
+/// to the right, the next one to the left, and so on.
 fn seen(id: u16, [centre_x_m, centre_y_m]: [f64; 2], off_px: f64) -> PaperMarker {
     let (sin, cos) = TRUTH.heading_rad.sin_cos();
     let pixel = |(index, place): (usize, &GridPlace)| {
@@ -76,9 +77,9 @@ fn exact_dots_of_one_marker_give_the_exact_pose() {
 
 #[test]
 fn dots_that_are_off_by_a_tenth_of_a_pixel_move_the_robot_by_no_more_than_that_is_on_the_ceiling() {
-    // A tenth of a pixel is half a millimetre on the ceiling; P3P turns this into centimetres. The mean of ten dots is off by no more than
-    // one of them. The markers turn by at most 0.5 mm over the 0.35 m between each of them and their middle; with the lever of 0.6 m from
-    // that middle to the robot this adds at most 0.9 mm.
+    // A tenth of a pixel is half a millimetre on the ceiling; P3P, which computes the pose from three dots alone, turns this into centimetres. The
+    // mean of ten dots is off by no more than one of them. The markers turn by at most 0.5 mm over the 0.35 m between each of them and their middle;
+    // with the lever of 0.6 m from that middle to the robot this adds at most 0.9 mm.
     let both = [seen(125, [1.2, 2.1], 0.1), seen(183, [1.9, 2.2], 0.1)];
     let [away_m, turn_rad] = off(vertical_known(&both, &map(), &camera()).unwrap());
     assert!(away_m < 0.0014 && turn_rad < 0.0015, "{away_m} {turn_rad}");
@@ -86,10 +87,10 @@ fn dots_that_are_off_by_a_tenth_of_a_pixel_move_the_robot_by_no_more_than_that_i
 
 #[test]
 fn a_marker_that_is_misread_is_outvoted() {
-    // The marker at the second place is read as the marker that hangs a metre away from it.
+    // Two markers are seen at the place of marker 183: one is read as 183, the other one is misread as 207, which hangs a metre away on the map.
     let markers = [seen(207, [1.9, 2.2], 0.0), seen(125, [1.2, 2.1], 0.0), seen(183, [1.9, 2.2], 0.0)];
     let pose = vertical_known(&markers, &map(), &camera()).unwrap();
     assert!(off(pose).iter().all(|off| *off < 1e-12), "{pose:?}");
-    // Here the dots do not fit the grid of the marker as which they are read: they are off by up to 3 cm.
+    // Here a marker's dots do not fit the grid on which the dots of that marker are printed: they are off by up to 3 cm.
     assert!(vertical_known(&[seen(125, [1.2, 2.1], 6.0)], &map(), &camera()).is_none());
 }

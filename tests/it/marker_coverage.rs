@@ -29,7 +29,8 @@ fn laid_out(room_m: [f64; 2], camera: &str, markers: &str) -> Scene {
 
 const SHORT: &str = "focal_px = [480.0, 480.0]";
 
-/// Number of markers of which every printed dot lies wholly in the image, as the simulator's lens projects it. A dot's rim is 1 cm from its centre.
+/// Number of markers that are seen whole: every printed dot lies wholly in the image, as the simulator's lens projects it. A dot's rim is 1 cm from
+/// its centre.
 fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
     let (camera, mount) =
         (scene.robot.ceiling_camera.as_ref().unwrap(), drawn.devices.ceiling_camera.as_ref().unwrap());
@@ -115,16 +116,16 @@ fn two_markers_at_once_are_two() {
 
 #[test]
 fn a_layout_is_about_as_small_as_its_field_allows() {
-    // The robot's centre can reach 14.8 m by 7 m of paper 5's laboratory. At a distance of 2.29 m, 640 by 480 pixels of a camera with a
-    // focal length of 755 px show 1.94 m by 1.46 m: some 2.1 m² without the 0.19 m of a marker itself; with 480 px it is 5.9 m². The least
-    // numbers are those with which a turned image shows one marker on average.
+    // In the laboratory of paper 5 (ceiling markers), the robot's centre can be anywhere within 14.8 m by 7 m. At a distance of 2.29 m, 640 by 480
+    // pixels of a camera with a focal length of 755 px show 1.94 m by 1.46 m of the ceiling: some 2.1 m² without the 0.19 m of a marker itself; with
+    // a focal length of 480 px it is 5.9 m². The least numbers of markers are those with which a turned image shows one marker on average.
     for (camera, least, most) in [("", 50, 100), (SHORT, 18, 36)] {
         let n_markers = laid_out([15.3, 7.5], camera, "coding = \"plain\"").map().markers.unwrap().markers.len();
         assert!((least..=most).contains(&n_markers), "{n_markers}");
     }
 }
 
-/// The scene with its layout written out as single markers, without one of them.
+/// The same scene with every marker of its automatic layout written out by itself, and with the marker `left_out` missing.
 fn by_hand_without(scene: &Scene, camera: &str, left_out: usize) -> Scene {
     let markers = scene.markers.as_ref().unwrap().all().iter().enumerate().filter(|(index, _)| *index != left_out);
     let keys: String = markers
@@ -146,7 +147,8 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
             panic!("without {left_out} it is covered")
         };
         assert_eq!(seen, 0);
-        // By the simulator's lens without errors, no marker is seen at the reported place, and the missing marker would have been near.
+        // Check of the reported uncovered pose with the simulator's own lens, without errors: no marker is seen there, and the missing marker would
+        // have been near.
         let mut exact = Drawn::draw(&holed, 0);
         exact.devices.ceiling_camera =
             Some(sim::devices::camera::DrawnCamera::ceiling(holed.robot.ceiling_camera.as_ref().unwrap()));
@@ -176,7 +178,7 @@ fn a_third_of_the_markers_is_missing_on_the_ceiling_and_not_on_the_map() {
     let pasted = |seed| Drawn::draw(&scene, seed).place.markers.iter().map(|marker| marker.index).collect::<Vec<_>>();
     assert_eq!(pasted(0).len(), n_markers - (n_markers as f64 * 0.3333).round() as usize);
     assert_ne!(pasted(0), pasted(1), "each seed loses others");
-    // The remaining markers are where they would be if no marker were missing.
+    // The markers that are still on the ceiling hang exactly where they would if no marker were missing.
     let whole = laid_out([6.0, 5.0], SHORT, "");
     let all = Drawn::draw(&whole, 0).place.markers;
     assert!(Drawn::draw(&scene, 0).place.markers.iter().all(|marker| all[marker.index] == *marker));
@@ -207,7 +209,7 @@ fn at_the_edge_of_what_is_surely_seen_the_worst_tilt_still_shows_the_marker() {
             if field.surely_sees_from(&pose, &at(middle_m)) { near_m = middle_m } else { far_m = middle_m }
         }
         assert!(near_m > 0.3);
-        // Whether every tilt of the mount by 2° shows the whole square of the marker.
+        // Whether the whole square of the marker is seen at this distance, whichever way the camera's mount is tilted by 2°.
         let is_shown = |distance_m: f64| {
             (0..32).all(|course| {
                 let (sin, cos) = (f64::from(course) * std::f64::consts::PI / 16.0).sin_cos();

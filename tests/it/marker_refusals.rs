@@ -22,7 +22,7 @@ const ONE: &str = "[[markers.marker]]\nid = 125\nx_m = 1.0\ny_m = 1.0\n";
 
 #[test]
 fn an_identity_that_is_no_word_is_refused_with_the_nearest_ones() {
-    // Identity 125 is a word of the hexad code; 124 lacks one of its dots.
+    // By the code called hexads, identities are words with six coded dots. 125 is such a word; 124 lacks one of its dots.
     assert!(parse(ONE).is_ok());
     assert_refused(
         &ONE.replace("125", "124"),
@@ -46,7 +46,7 @@ fn the_same_identity_twice_on_the_map_is_refused_and_off_it_is_not() {
 #[test]
 fn a_marker_that_reaches_out_of_the_room_is_refused() {
     assert_refused(&ONE.replace("x_m = 1.0", "x_m = 2.93"), &["`markers.marker[0].x_m = 2.93`", "from 0.08 to 2.92"]);
-    // The corner of a marker turned by 45° reaches 0.08·√2 m from its middle.
+    // The square of a marker has sides of 0.16 m: turned by 45°, its corner reaches 0.08·√2 m from its middle.
     let turned = ONE.replace("y_m = 1.0", "y_m = 0.1\nrotation_deg = 45");
     assert_refused(&turned, &["`markers.marker[0].y_m = 0.1`", "from 0.113137 to 1.886863"]);
     assert!(parse(&turned.replace("rotation_deg = 45", "rotation_deg = 90")).is_ok());
@@ -60,7 +60,8 @@ fn markers_on_top_of_each_other_are_refused() {
         &["`markers.marker[1].x_m = 1.15`", "on top of markers.marker[0]", "0.16 m wide"],
     );
     assert!(parse(&beside(1.161, "")).is_ok());
-    // If one marker is turned by 45°, its corner reaches 0.113 m towards the other marker's side, which is 0.08 m from that marker's middle.
+    // Two markers are 0.16 m wide each. If one of them is turned by 45°, its corner reaches 0.113 m towards the other one, whose side is 0.08 m from
+    // its own middle: the middles must be 0.193 m apart.
     assert_refused(&beside(1.19, "rotation_deg = 45"), &["on top of markers.marker[0]"]);
     assert!(parse(&beside(1.194, "rotation_deg = 45")).is_ok());
     assert!(parse(&beside(1.0, "pasted = false")).is_ok(), "one that has fallen off is in nobody's way");
@@ -92,7 +93,8 @@ fn a_marker_cannot_have_been_moved_out_of_the_room() {
 
 #[test]
 fn damage_to_what_is_not_there_is_refused() {
-    // Marker 125 has coded dots at [0, 1], [1, 0] to [1, 3] and [2, 0].
+    // Marker 125 has coded dots at the grid places [0, 1], [1, 0] to [1, 3] and [2, 0]; a place counts steps from dot O towards dot X and towards dot
+    // Y.
     assert_refused(&format!("{ONE}missing_dots = [[2, 1]]\n"), &["missing_dots", "no dot is printed at [2, 1]"]);
     assert_refused(&format!("{ONE}missing_dots = [[4, 1]]\n"), &["missing_dots", "[4, 1]"]);
     assert_refused(&format!("{ONE}extra_dots = [[0, 0]]\n"), &["extra_dots", "[0, 0] cannot be one", "without a dot"]);

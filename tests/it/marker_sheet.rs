@@ -74,7 +74,8 @@ fn a_sheet_has_a_page_a_marker_at_true_scale_as_seen_from_below() {
         .collect();
     assert_eq!(starts.len(), 9);
     let at = |dx: f64, dy: f64| starts.iter().any(|[x, y]| (x - 45.0 - dx).hypot(y - 65.0 - dy) < 1e-6);
-    // Marker 125 has coded dots at [0, 1], [1, 0] to [1, 3] and [2, 0], with 40 mm per step.
+    // Marker 125 has coded dots at the grid places [0, 1], [1, 0] to [1, 3] and [2, 0], which count steps of 40 mm from dot O towards dot X and
+    // towards dot Y.
     for [i, j] in [[0, 0], [3, 0], [0, 3], [0, 1], [1, 0], [1, 1], [1, 2], [1, 3], [2, 0]] {
         assert!(at(40.0 * f64::from(i), 40.0 * f64::from(j)), "[{i}, {j}] is not at its place");
     }

@@ -34,7 +34,7 @@ struct Drive {
 }
 
 impl Drive {
-    /// The history of wheel readings as it is known when this reading is the latest that has arrived.
+    /// The history of wheel readings as the localizer knows it when the reading with index `reading` is the latest that has arrived.
     fn known_up_to(&self, reading: usize) -> WheelHistory {
         let mut history = WheelHistory::new(10.0);
         for (index, ticks) in self.ticks.iter().enumerate().take(reading + 1) {
@@ -63,7 +63,8 @@ fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
         all_ticks.push(ticks);
         poses.push(pose);
         if reading % 7 == 0 {
-            // The wheels accelerate a little less than the declared limit, since slip adds to the robot's acceleration.
+            // The simulated wheels accelerate with at most 1.9 m/s², a little less than the declared limit, since slip adds to the robot's
+            // acceleration.
             acceleration = std::array::from_fn(|_| rng.random_range(-1.9..1.9));
         }
         for _ in 0..100 {
@@ -109,8 +110,8 @@ fn stamps_between_two_readings_are_enclosed() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for _ in 0..200 {
         let Drive { history, poses, .. } = drive(&mut rng, 40, 0.9);
-        // The true pose is known only at readings. The test therefore predicts from a reading to a stamp between two
-        // readings, and from there to another reading.
+        // The true pose is known only at the times of wheel readings. To test a stamp between two readings, the test predicts from a reading to that
+        // stamp, and from there to another reading.
         let middle_s = rng.random_range(0.05..0.15);
         let first = history.motion(0.02, middle_s, &wheels(), &REACH).expect("inside the history");
         let second = history.motion(middle_s, 0.3, &wheels(), &REACH).expect("inside the history");
@@ -149,11 +150,11 @@ fn fifty_milliseconds_ahead_cost_millimetres() {
         let known = drive(&mut rng, 40, 1.0).known_up_to(30);
         let at_reading = known.motion(0.2, 0.3, &wheels(), &REACH).expect("inside the history");
         let ahead = known.motion(0.2, 0.35, &wheels(), &REACH).expect("near ahead");
-        // By hand: over the last 10 ms, a tick of 0.032 mm, 0.13 mm of slip and an acceleration of 2 m/s² leave the rate
-        // uncertain by 3.2 + 13 + 10 mm/s, which is ±1.3 mm in 50 ms, and its change meanwhile adds ±2.5 mm. The error of
-        // the travel acts at the end of the span and, by summation by parts, with the turning: by at most 0.49 rad in 0.15
-        // s, or ±2.0 mm more. The heading at the middle of the span, uncertain by 14 mrad, moves 28 mm by ±0.4 mm, and the
-        // midpoint rule leaves ±0.2 mm. By the physical limits of speed and acceleration alone it would be ±35 mm.
+        // By hand, what predicting the motion 50 ms beyond the latest wheel reading adds to the box: over the last 10 ms, a tick of 0.032 mm, 0.13 mm
+        // of slip and an acceleration of 2 m/s² leave the rate uncertain by 3.2 + 13 + 10 mm/s, which is ±1.3 mm in 50 ms, and its change meanwhile
+        // adds ±2.5 mm. The error of the travel acts at the end of the span and, by summation by parts, with the turning: by at most 0.49 rad in 0.15
+        // s, or ±2.0 mm more. The heading at the middle of the span, uncertain by 14 mrad, moves 28 mm by ±0.4 mm, and the midpoint rule leaves ±0.2
+        // mm. By the physical limits of speed and acceleration alone it would be ±35 mm.
         assert!(ahead[0].width() - at_reading[0].width() < 2.0 * 6.5e-3, "{ahead:?}");
     }
 }
@@ -177,14 +178,14 @@ fn the_enclosure_of_a_fifth_of_a_second_is_millimetres_wide() {
     for _ in 0..100 {
         let Drive { history, .. } = drive(&mut rng, 40, 1.0);
         let motion = history.motion(0.1, 0.3, &wheels(), &REACH).expect("inside the history");
-        // By hand: the robot moves at most 0.1 m; 0.5 % of slip, 0.2 % of radius, 0.1 mm and a tick make ±0.85 mm, side slip ±0.7 mm; a
-        // turn of up to 0.6 rad carries a share of each onto the other axis.
+        // By hand, the box of the motion over 0.2 s: the robot moves at most 0.1 m; 0.5 % of slip, 0.2 % of radius, 0.1 mm and a tick make ±0.85 mm,
+        // side slip ±0.7 mm; a turn of up to 0.6 rad carries a share of each onto the other axis.
         assert!(motion[0].width() < 3.0e-3 && motion[1].width() < 3.0e-3, "{motion:?}");
         assert!(motion[2].width() < 2.0 * (2.0 * 0.85e-3 / 0.33 + 0.003 * 0.7), "{motion:?}");
     }
 }
 
-/// Wheels without errors: their enclosure has to allow only for the geometry of the motion.
+/// Wheels without any error, so that the box of a predicted motion is only as wide as the curved path makes it.
 fn perfect_wheels() -> WheelModel {
     WheelModel {
         radius_m: [Interval::point(0.0975); 2],
@@ -228,8 +229,8 @@ fn a_step_is_as_long_as_its_chord_not_as_its_arc() {
 
 #[test]
 fn side_slip_that_turns_about_on_the_way_is_enclosed() {
-    // Only the total side slip of the robot is bounded: here all of it goes to the right before the turn, then over to
-    // the opposite bound after the turn.
+    // The bound on side slip limits its sum at any time, not each step: here the robot slips to the right by the whole bound before the turn, and
+    // after the turn to the left as far as the opposite bound.
     let bound_m = 0.01;
     let wheels = WheelModel { side_slip_floor_m: bound_m, ..perfect_wheels() };
     for turn_rad in [-1.0, 0.5, 1.0_f64] {
@@ -260,7 +261,8 @@ fn the_way_back_to_an_earlier_stamp_is_no_stand() {
     assert!(history.motion(0.2, 0.7, &wheels(), &REACH).is_some());
     assert!(history.motion(0.7, 0.2, &wheels(), &REACH).is_none());
     assert!(history.gyro_turn(0.7, 0.2, &wheels(), &REACH).is_none());
-    // The physical limits allow as much motion backwards in time as forwards: 0.35 m and 0.8 rad in half a second.
+    // Where only the limits of speed and turn rate are known, the motion back to an earlier time is bounded as that forwards is: 0.35 m and 0.8 rad
+    // in half a second.
     let back = history.reach_motion(0.7, 0.2, &REACH);
     assert!(back.contains(&[-0.35, 0.35, -0.8]) && !back.contains(&[-0.36, 0.0, 0.0]), "{back:?}");
 }

@@ -134,14 +134,14 @@ fn noise_adds_up_to_no_more_than_its_floor_and_rate_over_any_span() {
 
 #[test]
 fn noise_makes_up_for_a_bias_that_would_depart_too_far() {
-    // Set-up: a gyroscope bias that wanders by some 0.01 °/s, and noise that can compensate for it; both together must
-    // keep to the floor and the rate of the angle's bound.
+    // The gyroscope's bias wanders by some 0.01 °/s, more than the bound on the accumulated angle (a floor and a rate) allows. The simulated noise
+    // then has to compensate, so that bias and noise together keep the bound.
     let gyro = serde_json::json!({
         "bias_instability_deg_per_h": 20.0, "rate_random_walk_deg_per_h_per_sqrt_h": 100.0, "bias_wander_deg_per_s2": 0.004,
         "bias_tolerance_deg_per_s": 0.5, "scale_tolerance": 0.0, "period_s": 0.02, "angle_random_walk_deg_per_sqrt_h": 0.15,
         "noise_deg_per_s": 0.1, "angle_floor_deg": 0.05, "angle_deg_per_s": 0.001,
     });
-    // `rates_at_rest` subtracts the gyroscope's initial bias, so that the remaining bias is its departure from the initial value.
+    // The helper `rates_at_rest` subtracts the gyroscope's initial bias, so that what remains is noise and the change of the bias since the start.
     let rates = rates_at_rest(gyro, 1, 60_000);
     let sums: Vec<f64> = rates
         .iter()
@@ -161,7 +161,8 @@ fn noise_makes_up_for_a_bias_that_would_depart_too_far() {
 
 #[test]
 fn a_noise_bound_that_would_cut_the_random_walk_off_is_refused() {
-    // By hand: the random walk has a standard deviation of 0.15/60/√0.005 = 0.0354 °/s per reading; three times that is 0.1061 °/s.
+    // By hand: the angle random walk has a standard deviation of 0.15/60/√0.005 = 0.0354 °/s per reading. A bound on the noise below three times
+    // that, 0.1061 °/s, is refused.
     for (noise_deg_per_s, is_taken) in [(0.107, true), (0.105, false), (0.0, false)] {
         let text = scene_text("dark/pushed.toml");
         let text = text.replace("noise_deg_per_s = 0.12", &format!("noise_deg_per_s = {noise_deg_per_s:?}"));
@@ -230,7 +231,7 @@ fn assert_counts(counts: [i64; 2], travel_m: [f64; 2], scale: f64) {
 #[test]
 fn the_flow_sensor_counts_its_own_way_in_its_own_frame() {
     let scene = flow_scene(serde_json::json!({}));
-    // The robot faces 30° and is pushed along world x: 1 m of that is 0.866 m forward and 0.5 m to the right.
+    // The robot faces 30° and is pushed along world x. Of a metre of that push the flow sensor counts 0.866 m forward and 0.5 m to the right.
     let (counts, blind) = counted(&scene, |time_s| at(1.0 + 0.2 * time_s, 3.0, std::f64::consts::FRAC_PI_6), 5.0);
     assert_counts(counts, [0.75_f64.sqrt(), -0.5], 1.0);
     assert_eq!(blind, 0);
@@ -265,7 +266,7 @@ fn a_flow_sensor_tells_of_the_periods_in_which_it_followed_nothing() {
     let (counts, blind) = counted(&flow_scene(serde_json::json!({ "event": [event] })), drive, 4.0);
     assert_eq!(blind, 200);
     assert_counts(counts, [0.5, 0.0], 1.0);
-    // The flow sensor is also blind when the robot is too fast, or too far above the floor.
+    // Besides where the floor is glossy, the flow sensor is blind when the robot is too fast, or when the sensor is too far above the floor.
     let fast = |time_s: f64| at(1.0 + 1.2 * time_s, 3.0, 0.0);
     assert_eq!(counted(&flow_scene(serde_json::json!({})), fast, 1.0).1, 100);
     let lifted = |time_s: f64| Truth { heave_m: 0.02, ..drive(time_s) };
@@ -319,13 +320,15 @@ fn readings_come_late_or_twice_or_never_as_often_as_stated() {
 
 #[test]
 fn a_bias_that_wanders_and_noise_together_keep_the_bound_of_the_angle() {
-    // The gyroscope's bias changes so fast that it is at its bounds most of the time; its tolerance alone would allow 12 degrees in 60 s.
+    // The gyroscope's bias changes so fast that it is at its bounds most of the time. The tolerance of the bias alone would allow an angle error of
+    // 12 degrees in 60 s, while the bound on the angle over any time span allows far less.
     let gyro = serde_json::json!({
         "bias_tolerance_deg_per_s": 0.2, "bias_wander_deg_per_s2": 0.05, "rate_random_walk_deg_per_h_per_sqrt_h": 3000.0,
         "angle_floor_deg": 0.005, "angle_deg_per_s": 0.01, "scale_tolerance": 0.0, "period_s": 0.01,
     });
     for seed in 0..5 {
-        // By hand, from the running extremes of W ∓ rate·t, where W is the angle from noise together with the bias's departure from its first value.
+        // By hand, how far the accumulated error exceeds rate·(time) over any time span, from the running extremes of W ∓ rate·t; W is the angle from
+        // noise together with the bias's departure from its first value.
         let (mut sum, mut least, mut greatest, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         for (idx, rate) in rates_at_rest(gyro.clone(), seed, 20_000).iter().enumerate() {
             let time_s = (idx + 1) as f64 * 0.01;

@@ -29,7 +29,7 @@ fn errands(goals_m: &[[f64; 2]], more: serde_json::Value) -> Scene {
     scene(keys)
 }
 
-/// Drives for some time with estimates that are made from the truth.
+/// Drives the robot on its errands for `lasts_s`; `see` makes the estimate that the driver gets from the true state.
 fn drive_by(scene: &Scene, lasts_s: f64, mut see: impl FnMut(&Truth, usize) -> Estimate) -> (Vec<Truth>, ErrandDriver) {
     let (mut world, mut driver) = (World::new(scene, &nominal(scene)), ErrandDriver::new(scene, &[]));
     let mut truths = vec![world.truth()];
@@ -55,14 +55,16 @@ fn distance_m(truth: &Truth, place_m: [f64; 2]) -> f64 {
 fn the_bearing_is_that_of_the_papers_equations_in_every_quadrant() {
     let robot = |heading_rad: f64| Pose { x_m: 1.0, y_m: 1.0, heading_rad };
     let cases = [
-        // The place is ahead of the robot; to its left, which requires a left turn by a right angle; to its right; behind it.
+        // Four cases: the goal is ahead of the robot; to its left, which requires a left turn by a right angle; to its right; behind it.
         (FRAC_PI_2, [1.0, 3.0], 0.0, 2.0),
         (FRAC_PI_2, [-1.0, 1.0], -FRAC_PI_2, 2.0),
         (FRAC_PI_2, [4.0, 1.0], FRAC_PI_2, 3.0),
         (FRAC_PI_2, [1.0, -3.0], PI, 4.0),
-        // The arctan of the quotient, without regard to the quadrant, would give 0 here: the place lies straight behind the robot.
+        // The goal lies straight behind the robot. The paper's arctangent of the quotient, without regard to the quadrant, would give a bearing of 0
+        // here.
         (0.25 * PI, [-2.0, -2.0], PI, 3.0 * 2.0_f64.sqrt()),
-        // In these cases headings are not wrapped: two full turns and a bit, and one full turn back.
+        // In the last two cases the robot's heading is not wrapped to one turn: it has made two full turns and a bit, or one full turn back and a
+        // bit.
         (4.0 * PI + 0.1, [2.0, 1.0], 0.1, 1.0),
         (-2.0 * PI - 0.1, [2.0, 1.0], -0.1, 1.0),
     ];
@@ -79,7 +81,7 @@ fn both_followers_turn_to_the_goal_first_and_end_there() {
         let goal_m = [1.5, 5.0];
         let scene = errands(&[goal_m], serde_json::json!({ "navigation": { "follower": follower } }));
         let (truths, driver) = drive_by(&scene, 25.0, |truth, _| estimate(truth));
-        // The goal lies to the left: the robot turns in place, with its left wheel going backwards, before it drives.
+        // The goal lies to the robot's left: before the robot drives, it turns in place, with its left wheel going backwards.
         let turning = &truths[100];
         assert!(turning.velocity[2] > 0.1 && distance_m(turning, [1.5, 3.0]) < 0.01, "{follower}: {turning:?}");
         assert!(distance_m(&truths[2500], goal_m) < 0.05, "{follower} ended at {:?}", truths[2500].pose);
@@ -138,8 +140,9 @@ fn a_wide_box_slows_the_robot_down_in_proportion() {
         let (truths, _) = drive_by(&scene, 10.0, |truth, _| wide(truth, width_m));
         truths.iter().map(|truth| truth.velocity[0]).fold(0.0, f64::max)
     };
-    // Four widths of the estimate's box and the speeds that follow: half of the box fits into the margin of 0.1 m; is twice the margin; is
-    // almost five times the margin, where a quarter of the speed is left; or is so great that the robot stands.
+    // Four widths of the estimated box and the speed that the robot may drive at each. Half of the box is at most the safety margin of 0.1 m: full
+    // speed. Half of it is twice the margin: half speed. Half of it is four and a half times the margin: a quarter of the speed. It is very wide: the
+    // robot stands.
     for (width_m, speed_m_per_s) in [(0.19, 0.4), (0.4, 0.2), (0.9, 0.1), (4.0, 0.0)] {
         assert!((fastest(width_m) - speed_m_per_s).abs() < 0.01, "{} m/s in a box of {width_m} m", fastest(width_m));
     }
@@ -192,8 +195,8 @@ fn beams_end_where_geometry_says() {
     };
     let fan = sensors.look_out(&truth, &[person]).unwrap();
     let found: Vec<(f64, Option<f64>)> = fan.beams.iter().map(|beam| (beam.bearing_rad, beam.distance_m)).collect();
-    // The beam to the right ends at the wall at y = 0; the one ahead passes over the lower box and ends at the face of the other box at x =
-    // 3; the one to the left ends at the person's front.
+    // Beams of the proximity sensor: the one to the right ends at the wall at y = 0; the one ahead passes over the lower box and ends at the face of
+    // the other box at x = 3; the one to the left ends at the person's front.
     for ((bearing_rad, distance_m), (at_rad, at_m)) in
         found.into_iter().zip([(-FRAC_PI_2, 3.0), (0.0, 1.5), (FRAC_PI_2, 0.95)])
     {
@@ -203,7 +206,7 @@ fn beams_end_where_geometry_says() {
         );
     }
     assert_eq!(sensors.look_out(&Truth { time_s: 0.02, ..truth }, &[]), None, "not due before 0.05 s");
-    // The beam ahead points to the far wall, whose distance of 6.5 m is beyond the sensor's range.
+    // The proximity sensor's beam ahead points to the far wall, whose distance of 6.5 m is beyond the sensor's range, so that it reports no distance.
     let away = Truth { time_s: 0.05, pose: Pose { y_m: 4.0, ..truth.pose }, ..truth };
     assert_eq!(sensors.look_out(&away, &[]).unwrap().beams[1].distance_m, None);
 }
@@ -224,7 +227,8 @@ fn clearance_is_measured_from_the_bodys_edge() {
         velocity_m_per_s: [0.0; 2],
     };
     let room = Clearance::of(&scene, &truth, &[person]);
-    // The corner of the turned square is at x = 4 − √½; the robot's body reaches 0.25 m from its centre.
+    // The robot is 2 m from the centre of the piece of furniture, a square turned by 45° whose nearest corner is at x = 4 − √½; the robot's body
+    // reaches 0.25 m from its own centre.
     assert!((room.walls_m - 1.75).abs() < 1e-12 && (room.people_m - 1.5).abs() < 1e-12, "{room:?}");
     assert!((room.furniture_m - (2.0 - 0.5_f64.sqrt() - 0.25)).abs() < 1e-12, "{room:?}");
     assert_eq!(room.least_m(), room.furniture_m);
@@ -278,7 +282,7 @@ fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
 
 #[test]
 fn a_way_that_stays_blocked_is_given_up_in_time() {
-    // Only 0.3 m are left beside the box, so that the robot cannot pass.
+    // Only 0.3 m are left between the box and the wall, too little for the robot to pass, so that the goal cannot be reached.
     let mut scene = blocked(true, 1.4);
     scene.duration_s = 150.0;
     let (log, least_m) = drive_looking_out(&scene, 62);
@@ -297,7 +301,7 @@ fn without_a_proximity_sensor_a_box_off_the_map_is_run_into_and_counted() {
 
 #[test]
 fn nobody_is_run_into_and_nobody_waits_for_ever() {
-    // Three walks of a person: across the robot's path, along the path towards the robot, and standing in the path.
+    // Three walks of a person that the robot must not run into: across its path, along the path towards the robot, and standing in the path.
     for (seed, walk) in
         [[[4.0, 1.0], [4.0, 5.0]], [[6.5, 3.0], [1.5, 3.0]], [[4.0, 3.0], [4.0, 3.0]]].into_iter().enumerate()
     {
@@ -313,7 +317,7 @@ fn nobody_is_run_into_and_nobody_waits_for_ever() {
 
 #[test]
 fn a_robot_makes_way_for_somebody_who_waits_for_it() {
-    // A room 1.4 m deep leaves no room to pass. A person comes towards the robot, stands before it, and turns back only at x = 3.
+    // In a room only 1.4 m deep nobody can pass. A person comes towards the robot and turns back only at x = 3, so that the robot has to make way.
     let keys = serde_json::json!({
         "room": { "width_m": 8.0, "depth_m": 1.4 },
         "start": { "x_m": 2.2, "y_m": 0.7, "tolerance_m": 0.0, "tolerance_deg": 0.0 },
@@ -338,7 +342,7 @@ fn random_goals_follow_the_seed_and_can_be_reached() {
     assert_eq!(goals_m.len(), 40);
     assert_eq!(goals_m, Drawn::draw(&scene, 7).goals_m);
     assert_ne!(goals_m, Drawn::draw(&scene, 8).goals_m);
-    // No goal lies behind the wall at x = 5, or nearer to it than body radius and margin.
+    // Goals must be within reach: none lies behind the wall at x = 5, or nearer to that wall than the body's radius and the planner's safety margin.
     for pair in goals_m.windows(2) {
         assert!(pair[1][0] < 4.95 - 0.33 && pair[1][0] > 0.33, "{pair:?}");
         assert!((pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) >= 1.0, "{pair:?}");
@@ -366,7 +370,8 @@ fn arrivals_are_held_against_the_truth() {
     let (mut record, verdict) = judged(&errands(&[[3.0, 3.0]], serde_json::json!({})), 65);
     assert_eq!(verdict.metrics["arrivals_off"], 0.0, "{:?}", verdict.metrics);
     let scene = errands(&[[3.0, 3.0]], serde_json::json!({}));
-    // The true poses are moved half a metre, as though the robot had been off by that much when it believed to have arrived.
+    // The true poses of the record are moved by half a metre, as though the robot's estimate had been wrong by that much when the robot stopped at
+    // its goal.
     for truth in &mut record.truths {
         truth.pose.y_m += 0.5;
     }

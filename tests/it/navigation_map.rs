@@ -35,7 +35,7 @@ fn the_grid_of_a_room_shows_walls_and_what_is_mapped() {
         "furniture": [piece(0.6, true), piece(1.4, false)],
     }));
     let grid = OccupancyGrid::from_scene(&scene);
-    // In the occupancy grid the room's width of 2.0 m is 40 cells of 0.05 m; a cell of wall is added at each end.
+    // The room is 2.0 m wide, which makes 40 cells of 0.05 m in the occupancy grid, plus a cell of wall at each end.
     assert_eq!((grid.size, grid.origin_m), ([42, 22], [-0.05, -0.05]));
     let at = |x_m: f64, y_m: f64| grid.at(grid.cell_at([x_m, y_m]).unwrap());
     for [x_m, y_m] in [[-0.01, 0.5], [2.01, 0.5], [1.0, -0.01], [1.0, 1.01]] {
@@ -55,7 +55,7 @@ fn the_shortest_way_round_a_wall_has_the_length_worked_out_by_hand() {
     let grid = drawn_grid(&[".......", "...#...", "...#...", "...#...", "...#..."]);
     let planner = Planner::new(grid, 0.1);
     let way = planner.plan([1.5, 0.5], [5.5, 0.5]).unwrap();
-    // The path goes over the wall's end without cutting its corner: up 4 cells and across 1, along 2, and down again.
+    // The shortest path round the wall goes over its end without cutting its corner: up 4 cells and across 1, along 2, and down again.
     assert_eq!(way, [[1.5, 0.5], [2.5, 4.5], [4.5, 4.5], [5.5, 0.5]]);
     assert!((length_m(&way) - (2.0 * 17.0_f64.sqrt() + 2.0)).abs() < 1e-12);
     assert_eq!(planner.plan([1.5, 0.5], [2.5, 3.5]).unwrap(), [[1.5, 0.5], [2.5, 3.5]], "seen, and straight");
@@ -73,7 +73,8 @@ fn where_there_is_no_way_there_is_none_and_unknown_floor_is_no_way() {
 
 #[test]
 fn a_gap_lets_through_only_what_fits() {
-    // The gap in the wall is 3 m wide: its middle is 1.5 m from either edge.
+    // The gap in the wall is 3 m wide. A path through its middle has 1.5 m of distance to either edge, so that it exists if the robot must keep 1.4 m
+    // away from walls, but not with 1.6 m.
     let grid = drawn_grid(&[
         "......#......",
         "......#......",
@@ -168,14 +169,15 @@ const YAML: &str =
 fn a_map_is_read_by_the_rules_of_map_server() {
     use Cell::{Free, Occupied, Unknown};
     let place = folder("map_rules");
-    // For a pixel x the occupancy is p = (255 − x)/255: 89 gives 0.651 and 90 gives 0.647, 205 gives 0.1961 and 206 gives 0.192.
+    // By the rules of ROS's map_server a pixel with grey level x has the occupancy p = (255 − x)/255, which is free below 0.196 and occupied above
+    // 0.65. Grey level 89 gives 0.651 and 90 gives 0.647; 205 gives 0.1961 and 206 gives 0.192.
     let pgm = [b"P5\n# made by hand\n3 2\n255\n".as_slice(), &[0, 89, 90, 205, 206, 254]].concat();
     let grid = map_server::read(&write_map(&place, YAML, &pgm)).unwrap();
     assert_eq!((grid.size, grid.resolution_m, grid.origin_m), ([3, 2], 0.5, [-1.0, 2.0]));
     // The first row of the image is the row farthest from the map's origin.
     assert_eq!(grid.cells, [Unknown, Free, Free, Occupied, Occupied, Unknown]);
     assert_eq!(grid.at(grid.cell_at([-0.9, 2.9]).unwrap()), Occupied);
-    // With `negate: 1` the occupancy is p = x/255: 89 gives 0.349, 90 gives 0.353.
+    // In a map file with `negate: 1` a pixel with grey level x has the occupancy p = x/255: 89 gives 0.349, 90 gives 0.353.
     let grid = map_server::read(&write_map(&place, &YAML.replace("negate: 0", "negate: 1"), &pgm)).unwrap();
     assert_eq!(grid.cells, [Occupied, Occupied, Occupied, Free, Unknown, Unknown]);
 }
@@ -265,7 +267,7 @@ fn the_command_writes_the_map_of_a_scene_and_plans_on_the_map_of_a_file() {
     assert_eq!((code, told.trim()), (0, "out/x/map.yaml"), "{errors}");
     let grid = map_server::read(&place.join("out/x/map.yaml")).unwrap();
     assert_eq!(grid, OccupancyGrid::from_scene(&Scene::load(&place.join("x.toml")).unwrap()));
-    // The same map is saved as a file with an additional wall across the room, which the scene does not have.
+    // The map written before is saved again as a file, with an additional wall across the room that the scene does not have.
     let mut walled = grid;
     for row in 0..200 {
         walled.occupy([1.5, f64::from(row) * 0.01]);

@@ -53,7 +53,7 @@ fn power_is_the_greatest_error_over_half_the_width_and_what_one_step_in_a_thousa
 #[test]
 fn a_step_counts_as_available_only_with_the_truth_inside() {
     let (scene, mut record) = recorded(1.0, "[localizer]\ndeclared_width_m = 1.5\ndeclared_width_deg = 350.0\n");
-    // Of 101 steps, the last 51 have boxes 2 mm wide whose middles are off by 1.1 mm, so that they do not contain the truth.
+    // In the last 51 of 101 steps the boxes are 2 mm wide and their middles are off by 1.1 mm, so that they do not contain the true pose.
     for (step, (estimate, truth)) in record.estimates.iter_mut().zip(&record.truths).enumerate() {
         let [x_m, y_m, heading_rad] = truth.pose.to_array();
         let off_m = if step < 50 { 0.0 } else { 0.0011 };

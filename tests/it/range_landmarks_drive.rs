@@ -18,7 +18,7 @@ use crate::range_landmarks_setup::{
 };
 
 const STEP_S: f64 = 0.1;
-/// Radius of the odometry's error between two readings: forward, left (metres) and turn (radians).
+/// Bound on the error of the odometry's motion between two readings, to either side: forward and left in metres, turn in radians.
 const ODOMETRY: [f64; 3] = [0.002, 0.002, 0.003];
 
 /// True path of the robot: a circle driven again and again, or a line driven to and fro when `turn_rad_per_s` is 0.
@@ -45,7 +45,8 @@ impl Path {
     }
 }
 
-/// A simulated drive in progress; the test itself takes the part of the localizer that carries the pose and calls the method.
+/// A simulated drive in progress. The test itself does what the localizer would do: it carries the box of the pose forward by odometry and calls the
+/// method for landmarks with each reading.
 struct Drive {
     path: Path,
     camera: TrueCamera,
@@ -54,7 +55,7 @@ struct Drive {
     q_items: usize,
     method: RangeLandmarks,
     pose: PoseUnion,
-    /// Motion boxes that the odometry reported, each with the stamp at its end.
+    /// Boxes of the motions since the start that the simulated odometry reported, each with the time stamp at which the motion ends.
     told: Vec<(f64, Motion)>,
     time_s: f64,
     n_false: usize,
@@ -85,7 +86,8 @@ impl Drive {
         }
     }
 
-    /// The range camera's reading with the current time as its stamp, taken at most 1 ms before or after that stamp.
+    /// A reading of the range camera with the current time as its stamp. The landmarks are seen from the robot's pose at most 1 ms before or after
+    /// that stamp.
     fn reading(&mut self) -> Reading {
         let seen_from = self.path.pose(self.time_s + 0.001 * corner(&mut self.rng));
         let mut sightings: Vec<_> =
@@ -95,7 +97,7 @@ impl Drive {
         Reading::Range { measured_s: self.time_s, arrived_s: self.time_s, sightings }
     }
 
-    /// Advances the drive by one reading and checks everything that must hold of pose, claims and landmarks.
+    /// Advances the simulated drive by one reading of the range camera, and checks the boxes of pose and landmarks and the number of false claims.
     fn step(&mut self) {
         if self.time_s > 0.0 {
             let (before, after) = (self.path.pose(self.time_s - STEP_S), self.path.pose(self.time_s));
@@ -131,7 +133,8 @@ impl Drive {
         self.time_s += STEP_S;
     }
 
-    /// Checks that at most the declared number of the method's claims are false, and counts the false ones.
+    /// Checks the claims that the method makes about a reading (which landmark is where): at most the declared number of them is false. Counts the
+    /// false ones.
     fn judge(&mut self, claims: &[Claim]) {
         let [x_m, y_m, heading_rad] = self.path.pose(self.time_s);
         let (sine, cosine) = heading_rad.sin_cos();
@@ -151,7 +154,7 @@ impl Drive {
         self.method.landmarks().into_iter().collect()
     }
 
-    /// Checks that every landmark's box contains its true place and has not grown since `before`.
+    /// Checks that the box of every known landmark contains the landmark's true position and is nowhere wider than in `before`.
     fn compare(&self, before: &BTreeMap<LandmarkId, [Interval; 2]>) {
         let now = self.places();
         for (code, place) in &now {
@@ -181,7 +184,7 @@ fn circle(rng: &mut ChaCha8Rng) -> Path {
     }
 }
 
-/// Which coordinates the method solves for, and by which solver.
+/// Set-up of the method for landmarks: which coordinates of the pose it solves for, and with which solver.
 type Setup = (Freedom, Solver);
 
 fn full(solver: Solver) -> Setup {
@@ -248,7 +251,7 @@ fn the_pose_does_not_drift_where_odometry_alone_would() {
         early += drive.pose.hull().width(2) / 10.0;
         (0..150).for_each(|_| drive.step());
         late += drive.pose.hull().width(2) / 10.0;
-        // Odometry alone: 199 motions, each with a heading error of ±3 mrad.
+        // Width of the heading by odometry alone at the end of the drive: 199 motions, each with a heading error of ±3 mrad.
         without += 199.0 * 2.0 * ODOMETRY[2] / 10.0;
     }
     println!("heading known to {early:.4} rad after 5 s, {late:.4} rad after 20 s, {without:.4} rad by odometry");
@@ -278,7 +281,8 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
         let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 120, rng);
         (0..40).for_each(|_| drive.step());
         let (since_s, pose) = (drive.time_s - STEP_S, drive.pose.clone());
-        // The robot is carried along its path while the method is given poses and motions that say that it stands still, for two seconds.
+        // For two seconds the method is taught wrongly: the robot moves on along its path, while the method is given poses and motions that say that
+        // the robot stands still.
         for _ in 0..20 {
             let reading = drive.reading();
             drive.method.constrain(&reading, &pose, &Twist::default());
@@ -286,7 +290,7 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
             drive.time_s += STEP_S;
         }
         drive.method.forget_since(since_s + 1e-6);
-        // The robot is put back on its path, one step after the last reading before it was carried.
+        // The simulated time is set back, which puts the robot on its path one step after the last reading before the method was taught wrongly.
         drive.time_s = since_s + STEP_S;
         drive.pose = pose;
         (0..60).for_each(|_| drive.step());
@@ -298,8 +302,8 @@ fn a_way_of_many_key_frames_keeps_the_truth() {
     let mut rng = random(620);
     let path = circle(&mut rng);
     let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
-    // At 0.4 m/s with a key frame every 0.15 m, the limit of two hundred key frames is reached after 75 s, when every second run of them is
-    // dropped.
+    // The method stores a key frame (pose and sightings) every 0.15 m. At 0.4 m/s its limit of two hundred key frames is reached after 75 s, and the
+    // method then drops every second run of them; the drive goes on for longer than that.
     (0..1100).for_each(|_| drive.step());
 }
 
@@ -322,12 +326,13 @@ fn closing_a_loop_shrinks_landmarks_that_are_out_of_view() {
         let mut rng = random(700 + seed);
         let path = circle(&mut rng);
         let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
-        // A lap takes 12.57 s: after 11 s the loop is about to close, and 2.5 s later it is closed. Landmarks seen half a lap ago are out of view.
+        // The robot's circle takes 12.57 s: after 11 s the robot is about to return to its start, and 2.5 s later it sees the first landmarks again.
+        // Landmarks seen half a lap before are out of view then, but their boxes must shrink as well.
         (0..110).for_each(|_| drive.step());
         let before = drive.widths();
         (0..25).for_each(|_| drive.step());
         let after = drive.widths();
-        // Only landmarks that lie behind the robot count: neither the first reading nor the last ones see them.
+        // Only landmarks that lie behind the robot are counted, which neither the first reading nor the last ones see.
         let here = drive.path.pose(drive.time_s - STEP_S)[2];
         for (code, width_m) in &before {
             let mark = drive.marks[code.0 as usize].xy();

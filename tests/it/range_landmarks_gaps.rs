@@ -11,7 +11,8 @@ use nalgebra::Point3;
 
 use crate::range_landmarks_setup::{HEIGHT_M, Landmark, Only, TrueCamera, random, robot, says};
 
-/// A robot at rest in the origin that sees one landmark, or a different landmark that is taken for it.
+/// A robot at rest in the origin. It sees one landmark (the right sighting), or sees a different landmark and reads its code as that of the first one
+/// (the wrong sighting).
 struct Stand {
     method: RangeLandmarks,
     right: Sighting,
@@ -115,8 +116,8 @@ fn late(wrong_spacing: usize) -> RobotModel {
 fn wrong_uses_that_arrive_one_after_the_other_lie_apart_as_they_were_measured() {
     let mut stand = Stand::with(&late(1));
     let (right, wrong) = (stand.right, stand.wrong);
-    // In the order of measuring, wrong and right sightings of the code alternate; in the order of arrival there are two wrong ones, then two
-    // right ones.
+    // A declared bound says how many right sightings of a code lie between two wrong ones. In the order of measuring, wrong and right sightings
+    // alternate here; in the order of arrival there are two wrong ones, then two right ones.
     for round in 0..5 {
         let first_s = 0.4 * f64::from(round);
         for (after_s, late_s, sighting) in
@@ -134,8 +135,8 @@ fn a_reading_later_than_any_should_be_is_not_learnt_from() {
     let (right, wrong) = (stand.right, stand.wrong);
     stand.receive(0.0, 0.1, wrong, true);
     stand.receive(0.2, 0.8, right, true);
-    // This wrong sighting was measured at 0.1 s, between two readings that have been learnt from already. It arrives later than the declared
-    // latency allows and only ends the window of consecutive sightings.
+    // This wrong sighting was measured at 0.1 s, between two readings that the method has already used to learn the landmark's position. It arrives
+    // later than the declared latency allows: it must teach nothing, and only ends the window of consecutive sightings of that code.
     stand.receive(0.1, 0.9, wrong, true);
     for (stamp_s, sighting) in [(1.0, wrong), (1.2, right), (1.4, right), (2.0, right)] {
         stand.receive(stamp_s, stamp_s, sighting, true);
@@ -161,11 +162,12 @@ fn a_landmark_found_elsewhere_is_a_contradiction_and_changes_nothing_known() {
     (0..4).for_each(|stamp| stand.read(0.2 * f64::from(stamp), right, true));
     let known = stand.method.landmarks();
     assert_eq!(known.len(), 1);
-    // One wrong sighting of a code in a window is within the declared bounds and is no contradiction.
+    // One wrong sighting among a few consecutive sightings of a code (a window) is within the declared bounds and is no contradiction.
     stand.read(0.8, wrong, true);
     stand.read(1.0, right, true);
     assert!(!stand.method.take_contradiction() && stand.method.landmarks() == known);
-    // Two wrong sightings in a window exceed the declared bound: the landmark has moved, or its code hangs at another place.
+    // Two wrong sightings among a few consecutive sightings of a code (a window) exceed the declared bound: the landmark has moved, or its code hangs
+    // at another place.
     stand.read(1.2, wrong, true);
     assert!(!stand.method.take_contradiction());
     stand.read(1.4, wrong, true);
@@ -197,7 +199,8 @@ fn a_landmark_that_was_moved_makes_the_localizer_doubt() {
         if step % 10 != 0 || step == 0 {
             continue;
         }
-        // At 4 s somebody moves landmark 0 half a metre to the side. One wrong landmark in a reading is declared, and the pose leaves it out.
+        // At 4 s somebody moves landmark 0 half a metre to the side. One wrong landmark per reading is declared to be possible, so that the pose is
+        // computed without it and stays right.
         let moved_m = if step > 400 { 0.5 } else { 0.0 };
         let seen =
             places.iter().enumerate().map(|(code, [x, y])| mark(code, [*x, y - if code == 0 { moved_m } else { 0.0 }]));
@@ -210,12 +213,13 @@ fn a_landmark_that_was_moved_makes_the_localizer_doubt() {
             doubted_s = doubted_s.or(Some(time_s));
         }
     }
-    // A window has three sightings of a code, so that the move at 4 s must be noticed before 4.7 s.
+    // The bound on wrong sightings holds for any three consecutive sightings of a code, so that the localizer must notice the move of the landmark at
+    // 4 s before 4.7 s.
     assert!(doubted_s.is_some_and(|doubted_s| doubted_s < 4.7), "{doubted_s:?}");
 }
 
-/// A stand-in for a method: it claims x = 0 at its first reading and x = 0.5 at later ones, and after it has been told to forget it renews
-/// earlier claims as x = 0.5.
+/// A stand-in for a method, whose claims depend on what it has learnt: it claims x = 0 at its first reading and x = 0.5 at later ones. After the
+/// localizer has told it to forget, it makes its earlier claims anew as x = 0.5.
 struct Believer {
     has_forgotten: bool,
     n_readings: usize,
@@ -266,8 +270,8 @@ fn constraints_that_stood_on_what_is_unlearnt_are_made_anew() {
             localizer.observe(&look(time_s));
         }
     }
-    // The method claimed x = 0 at 2.9 s and x = 0.5 at 3.0 s, which no robot can drive in between. The claim of 2.9 s came from what the method
-    // has unlearnt since, and must be made anew.
+    // The method claimed x = 0 at 2.9 s and x = 0.5 at 3.0 s, which no robot can drive in between. The claim of 2.9 s was based on something that the
+    // method has forgotten since, and the localizer must have the method make it anew.
     let hull = localizer.estimate().pose.hull();
     assert!(hull[0].contains(0.5) && hull[0].width() < 0.05, "{:?}", hull[0]);
 }

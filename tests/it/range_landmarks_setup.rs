@@ -85,13 +85,13 @@ impl TrueCamera {
         }
     }
 
-    /// The same camera with its two columns rounded to these steps, in pixels.
+    /// The same range camera, whose two measured columns are rounded to multiples of these steps, in pixels.
     pub(crate) fn with_steps(self, step_px: [f64; 2]) -> Self {
         TrueCamera { step_px, ..self }
     }
 
-    /// Both image columns of a landmark seen from a pose, with a body tilt drawn for this sighting; `None` when the landmark is outside the
-    /// picture.
+    /// Columns at which the two views of the range camera see a landmark from a robot's pose, with a tilt of the body drawn for this sighting; `None`
+    /// when the landmark is outside the picture.
     pub(crate) fn sight(&self, pose: [f64; 3], landmark: &Landmark, rng: &mut ChaCha8Rng) -> Option<Sighting> {
         let seen = self.world_from_sensor(pose, rng).inverse_transform_point(&landmark.place);
         // The mount has x forward, y left and z up, so that a distance to the right is −y.
@@ -156,7 +156,7 @@ pub(crate) fn landmarks_in_view(n: u32, pose: [f64; 3], rng: &mut ChaCha8Rng) ->
 }
 
 fn height(rng: &mut ChaCha8Rng) -> f64 {
-    // Heights stay a little inside of the declared span, because the sensor itself rises when the body tilts.
+    // Heights of landmarks use only 99 % of the declared span about the sensor's height, because the sensor itself rises when the body tilts.
     HEIGHT_M + 0.99 * HEIGHT_SPAN_M * corner(rng)
 }
 

@@ -22,8 +22,8 @@ fn n_trials() -> usize {
 
 #[test]
 fn the_box_of_a_sighting_holds_its_landmark_and_not_much_more() {
-    // Image columns this finely resolved leave only optics, mount and tilts to fill the box. The stamp has no error, so that the robot is where
-    // it was at the stamp.
+    // Image columns are resolved so finely here that the width of a sighting's box comes from optics, mount and tilts alone. The stamp has no error,
+    // so that the image was taken exactly at its stamp.
     const FINE_PX: [f64; 2] = [1e-3, 1e-4];
     let mut rng = random(10);
     let mut model = robot(0, 3);
@@ -47,7 +47,7 @@ fn the_box_of_a_sighting_holds_its_landmark_and_not_much_more() {
             n += 1;
         }
     }
-    // The worst of so many sightings nearly reaches the bound on all errors together, so that none of the bound's terms is superfluous.
+    // Among so many random sightings the worst error nearly reaches the edge of its box, so that no term of the bound is superfluous.
     println!("{n} boxes, filled to {:.1} %", 100.0 * fullest);
     assert!(fullest > 0.85, "{fullest}");
 }
@@ -68,7 +68,8 @@ fn the_box_of_a_sighting_holds_its_landmark_whatever_the_robot_did_since_the_sta
         let camera = TrueCamera::drawn(&mut rng).with_steps(FINE_PX);
         let Some(mark) = landmarks_in_view(1, seen_from, &mut rng).pop() else { continue };
         let Some(sighting) = camera.sight(seen_from, &mark, &mut rng) else { continue };
-        // At the stamp the robot was elsewhere: within the stamp's error it moved straight at up to full speed and turned at up to its full rate.
+        // The true pose at the stamp differs from the pose from which the landmark was seen: within the stamp's error the robot moved straight at up
+        // to its full speed and turned at up to its full rate.
         let (share, turned, way) = (corner(&mut rng), corner(&mut rng), rng.random_range(0.0..std::f64::consts::TAU));
         let moved_m = REACH.speed_m_per_s * LATE_S * share;
         let heading = seen_from[2] + REACH.turn_rate_rad_per_s * LATE_S * turned;
@@ -87,8 +88,8 @@ fn the_box_of_a_sighting_holds_its_landmark_whatever_the_robot_did_since_the_sta
 
 #[test]
 fn a_pitched_body_sees_a_landmark_nearer_than_it_is() {
-    // Everything is exact but the body's tilt of up to 0.1 rad. When the body is pitched by 0.1 rad, a landmark 5 m ahead at the height of the
-    // lens is 5·cos 0.1 m away along the optical axis: 25 mm less, which no height explains.
+    // Everything is exact but the tilt of the robot's body, which is declared to be up to 0.1 rad. When the body is pitched by 0.1 rad, a landmark 5
+    // m ahead at the height of the lens is 5·cos 0.1 m away along the optical axis: 25 mm less, which no error of the landmark's height explains.
     let exact = Interval::point;
     let mut model = robot(0, 3);
     model.body.tilt_rad = 0.1;
@@ -105,7 +106,8 @@ fn a_pitched_body_sees_a_landmark_nearer_than_it_is() {
 
 #[test]
 fn one_landmark_seen_from_a_known_place_tells_the_heading() {
-    // From (0, 0) a landmark at (3, 0) is seen at (3, 0), to within 3 mm across the line of sight: 1 mrad of heading to each side.
+    // The robot's position (0, 0) is known, and a landmark at (3, 0) is seen at (3, 0), to within 3 mm across the line of sight: the heading is known
+    // to 1 mrad to each side.
     let landmark = (
         [measured(3.0, 1e-6, &mut random(1)), measured(0.0, 1e-6, &mut random(2))],
         [Interval::centred(3.0, 0.01), Interval::centred(0.0, 0.003)],
@@ -141,7 +143,8 @@ fn scene(q: usize, freedom: Freedom, rng: &mut ChaCha8Rng) -> Scene {
         .map(|sighting| sensor.seen(sighting))
         .map(|seen| (places[seen.landmark.0 as usize], seen.in_robot_m))
         .collect();
-    // The solvers that do not solve for the turn take the heading from the prior: they need a narrow prior to say anything, not to be right.
+    // Some solvers take the heading from the prior box and do not solve for it. They need a prior with a narrow heading to be of any use, but not to
+    // be right.
     let wide = if freedom == Freedom::Full { [3.0, 3.0, std::f64::consts::PI] } else { [3.0, 3.0, 0.1] };
     let prior = box_around(truth, [wide, [0.3, 0.3, 0.2], [0.03, 0.03, 0.02]][rng.random_range(0..3)], rng);
     Scene { truth, prior, pairs }

@@ -38,7 +38,7 @@ fn a_round_among_landmarks_keeps_the_truth_and_closes() {
     let (record, verdict) = judged(&scene("loop", 70.0), 41);
     assert_clean(&verdict);
     assert!(verdict.metrics["landmarks_known"] > 30.0, "{:?}", verdict.metrics);
-    // Half way round the loop the boxes are wider than at its end, where the first landmarks are in view again.
+    // Half way round the loop the boxes are wider than at its end, where the landmarks seen first are in view again.
     let width_m = |time_s: f64| {
         let at = record.estimates.iter().find(|estimate| estimate.time_s >= time_s).unwrap();
         at.pose.hull().width(0).max(at.pose.hull().width(1))
@@ -64,7 +64,8 @@ fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
     assert_clean(&verdict);
     let n_wrong: usize = record.images.iter().map(|reading| reading.claims.len()).sum();
     assert!(n_wrong > 0 && verdict.methods["range_landmarks"].false_claims > 10, "{:?}", verdict.methods);
-    // When the declared number of wrong matches is 0, the method is misled; the judge must then blame that bound and not the method.
+    // If none of the landmarks is declared to be matched wrongly although some are, the method is misled; the judge must then blame that declared
+    // number and not the method.
     let mut misled = honest;
     misled.robot.range_camera.as_mut().unwrap().q_items = 0;
     let (_, verdict) = judged(&misled, 42);
@@ -80,8 +81,8 @@ fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
 
 #[test]
 fn uses_of_a_code_that_say_nothing_count_in_its_window() {
-    // Disparities are resolved so coarsely that far landmarks may be at infinity. Right sightings of their codes then say nothing, while a near
-    // landmark that is taken for them does.
+    // Image columns are resolved so coarsely that far landmarks may be at infinity. Right sightings of these landmarks' codes then give no
+    // constraint, while a near landmark that is mistaken for one of them does.
     let mut scene = scene("wrong_matches", 60.0);
     let camera = scene.robot.range_camera.as_mut().unwrap();
     (camera.column_step_px, camera.match_step_px, camera.greatest_range_m) = (8.0, 8.0, 12.0);
@@ -132,7 +133,8 @@ fn a_landmark_that_grows_or_leaves_its_box_is_counted() {
     let (mut record, honest) = judged(&scene, 47);
     assert_clean(&honest);
     let n = record.images.len();
-    // The record is altered: the last reading gets the landmark boxes of an early one, which are wider for each landmark that has shrunk since.
+    // The record is altered: its last reading gets the landmark boxes of an early reading, which are wider for each landmark whose box has shrunk
+    // since. The judge must count these boxes as grown.
     let early = record.images[10].landmarks.clone();
     let late: std::collections::BTreeMap<_, _> = record.images[n - 2].landmarks.iter().copied().collect();
     let shrunk = early.iter().filter(|(code, place)| late[code] != *place).count();

@@ -74,7 +74,8 @@ fn columns_are_those_of_two_pinholes() {
             "{sighting:?}"
         );
     }
-    // A pixel is 4 mm at 2 m: a landmark 3 mm to the side moves the left view's column by 0.75 px, which is rounded to a step of that view alone.
+    // At 2 m a pixel is 4 mm wide: a landmark 3 mm to the side shifts both views by 0.75 px; the left view's column is then rounded to the steps of
+    // that view, the right view's column to finer ones.
     let scene = watching(serde_json::json!({ "landmark": [{ "x_m": 3.0, "y_m": 3.003 }] }));
     let moved = &self::seen(&scene, &[])[0];
     assert_eq!([moved.left_px, moved.right_px], [319.0, 293.75]);
@@ -93,10 +94,11 @@ fn a_turned_robot_and_a_turned_mount_see_to_their_side() {
 fn what_one_of_the_views_does_not_see_is_not_measured() {
     let keys = |x_m: f64, y_m: f64| serde_json::json!({ "landmark": [{ "x_m": x_m, "y_m": y_m }] });
     let is_seen = |x_m: f64, y_m: f64| !seen(&watching(keys(x_m, y_m)), &[]).is_empty();
-    // The camera's ranges are 0.5 m to 5 m.
+    // Landmarks are seen only at the range camera's distances, from 0.5 m to 5 m; the camera is at x = 1.
     assert!(!is_seen(1.45, 3.0) && is_seen(1.55, 3.0) && is_seen(5.95, 3.0) && !is_seen(6.05, 3.0));
     assert!(!is_seen(0.2, 3.0), "seen behind the robot");
-    // At 2 m the image reaches 320 px = 1.28 m to each side; the right view misses the last 0.1 m on the left.
+    // Both views of the range camera must see a landmark. At 2 m the image reaches 320 px = 1.28 m to each side; the right view misses the last 0.1 m
+    // on the left.
     assert!(is_seen(3.0, 4.17) && !is_seen(3.0, 4.19) && is_seen(3.0, 1.73) && !is_seen(3.0, 1.71));
 }
 
@@ -108,12 +110,13 @@ fn furniture_hides_what_is_behind_it_and_not_what_is_above_or_on_it() {
     };
     let piece = |y_m: f64, height_m: f64, rotation_deg: f64| serde_json::json!({ "x_m": 2.5, "y_m": y_m, "size_m": [1.0, 0.2], "height_m": height_m, "rotation_deg": rotation_deg });
     assert!(!is_seen(piece(3.0, 1.0, 0.0), 0.5));
-    // The near side of the piece of furniture is at y = 3.12, clear of the rays to both views, which start at y = 3 and y = 2.9.
+    // The near side of this piece of furniture is at y = 3.12. It hides nothing, because the camera's two views look from y = 3 and y = 2.9 at a
+    // landmark at y = 3.
     assert!(is_seen(piece(3.22, 1.0, 0.0), 0.5));
-    // The piece of furniture is turned by 90°, so that it is 1 m wide across the line of sight.
+    // This piece of furniture, 1 m long, is turned by 90°, so that it lies across the lines of sight from the camera to the landmark and hides it.
     assert!(!is_seen(piece(3.4, 1.0, 90.0), 0.5));
-    // The ray to a landmark 0.9 m high crosses a board that stands 1 m to 2 m away: it is 0.63 m high at the near edge. A board of 0.6 m lies
-    // below the ray, one of 0.7 m is in the way.
+    // The landmark is 0.9 m high, and a board stands between it and the camera, 1 m to 2 m away. The line of sight is 0.63 m high at the board's near
+    // edge: a board of 0.6 m lies below it, one of 0.7 m hides the landmark.
     assert!(is_seen(piece(3.0, 0.6, 0.0), 0.9) && !is_seen(piece(3.0, 0.7, 0.0), 0.9));
     // A landmark on a wall's face towards the camera is not hidden by the wall that it is stuck to.
     let wall = serde_json::json!({ "x_m": 4.1, "y_m": 3.0, "size_m": [0.2, 1.0], "height_m": 1.0 });
@@ -151,7 +154,8 @@ fn codes_are_confused_as_often_as_stated_and_never_beyond_the_bounds() {
         let sightings = sightings(&mut camera, &at(1.0, 3.0, 0.0, 0.1 + 0.2 * f64::from(reading)), &[]);
         assert_eq!(sightings.len(), 12);
         let mut n_here = 0;
-        // The sightings come in the order of the landmarks to which they truly belong.
+        // The sightings of a reading come in the order of the landmarks that were truly seen, so that a wrong code shows as a difference from that
+        // order.
         for (sighting, truly) in sightings.iter().zip(0..) {
             if sighting.landmark.0 == truly {
                 right_since.entry(sighting.landmark).and_modify(|count| *count += 1);
@@ -165,7 +169,8 @@ fn codes_are_confused_as_often_as_stated_and_never_beyond_the_bounds() {
         n_wrong += n_here;
         n_all += 12;
     }
-    // A share of 5 % of wrong codes was requested, and the bounds allow nearly all of them. The standard deviation of the share is 0.1 %.
+    // The scene demands that 5 % of the sightings get a wrong code, and the declared bounds allow nearly all of them. The standard deviation of the
+    // share is 0.1 %.
     let share = f64::from(n_wrong) / f64::from(n_all);
     assert!((0.035..0.052).contains(&share), "{share}");
 }
@@ -194,8 +199,8 @@ fn a_gyroscope_reads_scale_times_turn_plus_bias_plus_bounded_noise() {
     let mean = rates.iter().map(noise).sum::<f64>() / 4000.0;
     let deviation = (rates.iter().map(|rate| noise(rate).powi(2)).sum::<f64>() / 4000.0).sqrt();
     assert!(rates.iter().all(|rate| noise(rate).abs() <= 0.3 + 1e-9));
-    // The noise is normal with 0.1 °/s, cut at three deviations, which leaves a deviation of 0.0987 °/s. The mean of 4000 readings is within
-    // 0.005 °/s.
+    // The noise of the gyroscope is normal with a standard deviation of 0.1 °/s, cut at three deviations, which leaves a deviation of 0.0987 °/s. The
+    // mean of 4000 readings is within 0.005 °/s of the expected rate.
     assert!(mean.abs() < 0.006 && (deviation - 0.0987).abs() < 0.004, "{mean} ± {deviation} °/s");
 }
 

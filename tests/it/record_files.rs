@@ -108,14 +108,16 @@ fn a_reading_of_the_range_camera_is_drawn_where_the_landmark_is() {
     let run = folder.join("renders/scene/0");
     assert!(!run.join("image_00000.png").exists(), "a range camera takes no picture");
     let figure = image::open(run.join("figure_00002.png")).unwrap().into_rgb8();
-    // In the figure the view is 720 px high and begins 84 px below the top and 20 px from the left; 5.3 m ahead of the robot fill 88 % of it.
+    // In the figure that is drawn for a reading, the bird's-eye view of the surroundings is 720 px high and begins 84 px below the top and 20 px from
+    // the left; 5.3 m ahead of the robot fill 88 % of its height.
     let pixels_per_m = 720.0 * 0.88 / 5.3;
     let at = |forward_m: f64, left_m: f64| {
         [20.0 + 480.0 - left_m * pixels_per_m, 84.0 + 720.0 * 0.88 - forward_m * pixels_per_m].map(|place| place as u32)
     };
     let [u, v] = at(2.0, 0.5);
     assert_eq!(figure.get_pixel(u, v).0, [0, 128, 92], "no green dot at {u}, {v}");
-    // At 2 m a disparity of one column is worth 0.1 m of depth, so that the landmark's box is drawn in blue before and behind the green dot.
+    // At 2 m a change of the disparity by one column is worth 0.1 m of depth, so that the figure shows the landmark's blue box before and behind the
+    // green dot at its true place.
     let is_blue = |[u, v]: [u32; 2]| {
         let [red, _, blue] = figure.get_pixel(u, v).0;
         blue > red.saturating_add(20)

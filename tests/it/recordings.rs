@@ -112,7 +112,7 @@ fn a_recording_holds_what_the_camera_gave_where_the_robot_was_and_every_box() {
     );
     let topics = messages(&run.join("recording.mcap"));
 
-    // The grey levels of an image are the last field of its message, after their count.
+    // The grey levels of an image are the last field of its recorded message, so that the message must end with the pixels of the image file.
     let picture = image::open(run.join("image_00000.png")).unwrap().into_luma8();
     let recorded = &topics["/floor_camera/image"][0];
     assert!(recorded.ends_with(picture.as_raw()));

@@ -96,7 +96,7 @@ fn the_floor_falls_off_by_the_fourth_power_of_the_cosine() {
     };
     let middle = mean(320, 240);
     for (u, v) in [(600, 240), (320, 440), (40, 40), (560, 420)] {
-        // The middle of the averaged block of pixels lies half a pixel before the corner that it is named by.
+        // The pixels that `mean` averages lie around a corner between pixels, half a pixel up and left of the centre of pixel (u, v).
         let tangent = f64::hypot(f64::from(u) - 0.5 - 319.5, f64::from(v) - 0.5 - 239.5) / studio.mount.focal_px;
         let expected = tangent.atan().cos().powi(4);
         let seen = mean(u, v) / middle;
@@ -106,12 +106,13 @@ fn the_floor_falls_off_by_the_fourth_power_of_the_cosine() {
 
 #[test]
 fn a_shadow_on_the_floor_bends_with_the_lens_and_leans_with_the_shutter() {
-    // A bulb hangs at 2 m, and a board of 1 m stands across the room in front of it; the shadow ends, and light begins, 2.42 m from the bulb's
-    // foot.
+    // A bulb hangs 2 m high, and a board 1 m high stands across the room in front of it. Seen from the bulb, the board's shadow on the floor ends,
+    // and light begins again, 2.42 m from the point below the bulb.
     let lit = "[building]\nwall_albedo = 0.0\nceiling_albedo = 0.0\n[light]\n[[lamp]]\nkind = \"point\"\nx_m = 1.2\ny_m = 2.0\nheight_m = 2.0\nlumens = 2000\n\
                [[furniture]]\nname = \"board\"\nx_m = 2.4\ny_m = 2.0\nsize_m = [0.02, 3.0]\nheight_m = 1.0\n";
     let studio = Studio::new(4.0, lit);
-    // The camera is over the floor at x = 3.47 and image up is world x; the shadow ends 0.15 m further on.
+    // The robot stands so that its floor camera, 0.15 m behind the axle, is over x = 3.47. Image up is world x, and the shadow ends 0.15 m further
+    // on.
     let still = || studio.quiet_view(&[standing(3.62, 2.0, 0.0)]);
     let column = |mut view: View| {
         view.illuminance_at_floor_lux = 60.0 / view.exposure_s;
@@ -139,7 +140,8 @@ fn a_shadow_on_the_floor_bends_with_the_lens_and_leans_with_the_shutter() {
     let expected_px = distorted([319.5, plain_px], studio.mount.focal_px, BENT)[1];
     assert!((plain_px - expected_px).abs() > 2.0, "the edge at {plain_px} is too near to the axis");
     assert!((bent_px - expected_px).abs() < 0.7, "{bent_px}, expected {expected_px}, without the lens {plain_px}");
-    // Row of the shadow's edge under a rolling shutter: v = plain + speed·(v − 239.5)·row time·scale, with 1333 px to the metre.
+    // Expected row v of the shadow's edge under a rolling shutter, if it is `plain` without one: v = plain + speed·(v − 239.5)·row time·scale, with
+    // 1333 px to the metre.
     let per_row = speed_m_per_s * SHORT.row_time_s * 640.0 / 0.48;
     let expected_px = (plain_px - 239.5 * per_row) / (1.0 - per_row);
     assert!((plain_px - expected_px).abs() > 4.0, "{expected_px}");
@@ -165,7 +167,8 @@ fn defocus_spreads_a_tape_by_a_discs_variance() {
     let sharp = variance(0.0);
     assert!((sharp - (26.667_f64.powi(2) + 1.0) / 12.0).abs() < 0.3, "{sharp}");
     for diameter_px in [6.0, 12.0] {
-        // A blur disc of radius r has the variance r²/4 along an axis; interpolation adds up to a quarter of a square pixel.
+        // Expected variance of the tape's blur: a blur disc of radius r adds r²/4 along an axis; interpolation between pixels adds up to a quarter of
+        // a square pixel.
         let (added, expected) = (variance(diameter_px) - sharp, (diameter_px / 2.0_f64).powi(2) / 4.0);
         assert!((-0.1..0.3).contains(&(added - expected)), "{diameter_px} px: {added}, expected {expected}");
     }
@@ -208,7 +211,7 @@ fn rolling(studio: &Studio, distortion: [f64; 5], shutter: Shutter) -> View {
     let mut view = studio.quiet_view(&[standing(2.0, 2.0, 0.0)]);
     let longer = view.exposure_s / shutter.exposure_s;
     view.exposure_s = shutter.exposure_s;
-    // The short exposure is made up for by more light, so that noise stays low.
+    // The rows are exposed for a shorter time; more light makes up for that, so that noise stays low.
     view.illuminance_at_floor_lux *= longer;
     view.lens.row_time_s = shutter.row_time_s;
     view.lens.distortion = distortion;
@@ -240,7 +243,7 @@ fn a_rolling_shutter_skews_the_floor_by_each_rows_time() {
             most_px = most_px.max(f64::hypot(seen[0] - unskewed[0], seen[1] - unskewed[1]));
         }
     }
-    // The rolling shutter's skew must be large enough for the test to mean anything.
+    // The test is meaningful only if the rolling shutter shifts the marks clearly, by more than 4 px.
     assert!(most_px > 4.0, "{most_px}");
 }
 
@@ -259,12 +262,13 @@ fn a_floor_fills_a_rolling_picture_to_its_corners() {
 
 #[test]
 fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() {
-    // The floor has marble, tiles of very different albedo, joints, a wire and a carpet's edge: every kind of thing that a floor can show.
+    // The floor in view has one of every kind of thing that a floor can show: marble, tiles of very different albedo, joints, a wire and a carpet's
+    // edge.
     let floor = "[floor.tiles]\nedge_x_m = 0.2\nedge_y_m = 0.15\npattern = \"marble\"\ntile_albedo_spread = 0.3\n\
                  [[floor.stray]]\nfrom_m = [1.7, 1.8]\nto_m = [2.0, 2.1]\nwidth_m = 0.008\nalbedo = 0.05\n\
                  [[floor.region]]\nname = \"rug\"\nx_m = [1.0, 1.78]\ny_m = [1.0, 3.0]\nfriction = 0.7\ncovering = \"carpet\"\n";
     let studio = Studio::new(4.0, floor);
-    // Two shutters are tried: rows of a short exposure, and slower rows whose long exposure blurs by 5 px.
+    // Two rolling shutters are tried: one with a short exposure of each row, and a slower one whose long exposure blurs by 5 px.
     let mut widest: f64 = 0.0;
     for shutter in [SHORT, Shutter { row_time_s: 100e-6, exposure_s: 0.006 }] {
         let whole = studio.draw(rolling(&studio, BENT, shutter));
@@ -279,8 +283,8 @@ fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() 
             let difference = |u: u32| (level(&whole, u, v) - level(&row, u, v)).abs();
             let mut differences: Vec<f64> = (0..640).map(difference).collect();
             differences.sort_by(f64::total_cmp);
-            // Both pictures carry the same noise, so that they may be compared level by level; the checks below make sure that the row is not
-            // uniform.
+            // Both pictures, the rolling one and the one without rolling, carry the same noise, so that the row may be compared level by level; the
+            // checks below make sure that its levels vary enough for the comparison to mean something.
             let mean = differences.iter().sum::<f64>() / 640.0;
             let off = differences[633];
             assert!(mean < 0.2 && off < 2.0, "{shutter:?}, row {v}: mean {mean}, 99 % within {off}");
@@ -323,8 +327,8 @@ fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row
             let points_px = places.iter().map(point).collect();
             is_true(&Claim::FloorJoint { points_px, share_wrong: 0.0 }, &studio.scene, &studio.drawn, &truth)
         };
-        // A claim that is 0.05 px off is true with a bound of 0.1 px, but not with one of 0.03 px; a claim that is 2 px off is true with a bound
-        // of 2.1 px, but not with one of 1.9 px.
+        // A claim that a joint runs through points 0.05 px beside its true image is true with a bound of 0.1 px on the points, but not with one of
+        // 0.03 px; if the points are 2 px off, it is true with a bound of 2.1 px, but not with one of 1.9 px.
         assert!(claimed(0.05, 0.1) && !claimed(0.05, 0.03), "{places:?}");
         assert!(claimed(2.0, 2.1) && !claimed(2.0, 1.9), "{places:?}");
     }

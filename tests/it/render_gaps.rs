@@ -36,8 +36,8 @@ fn chinks(image: &GrayImage) -> Vec<[u32; 2]> {
 
 #[test]
 fn no_chink_opens_between_faces_however_a_camera_turns_while_it_reads_out() {
-    // Where the further room begins, corners of walls lie within the sides of floor and ceiling, and the cells of one face do not line up with
-    // those of another.
+    // The tested view shows where a further room adjoins the first one. There corners of walls lie in the middle of the edges of floor and ceiling,
+    // and the cells into which the faces are divided do not line up: gaps would show here.
     let text = "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.8\nceiling_albedo = 0.8\nskirting_albedo = 0.8\n\
         [[building.room]]\nx_m = 3.9\ny_m = 0.43\nwidth_m = 2.03\ndepth_m = 2.11\n\
         [start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n[light]\nilluminance_at_floor_lux = 200\n\
@@ -108,7 +108,7 @@ fn defocus_at_the_border_spreads_in_what_lies_beyond_it() {
                 }
             };
             let seen = level(&image, at(x), at(y));
-            // Distance from the pixel's middle to the panel's edge.
+            // Distance in pixels from the middle of the tested pixel to the image of the lamp panel's edge, which is beyond the picture's border.
             let off_px = f64::from(inwards) + 0.5 + beyond_px;
             let expected = full * segment(off_px / radius_px);
             assert!(

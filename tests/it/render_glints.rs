@@ -28,8 +28,8 @@ const HALF_M: f64 = 2.5;
 const FOCAL_PX: f64 = 220.0;
 const WIDTH_PX: u32 = 641;
 
-/// A room with black tiles and a lamp of 5 m by 0.3 m that hangs across the view; `is_first` says whether the length is the first of the lamp's
-/// two sides.
+/// A room with black tiles and a panel lamp of 5 m by 0.3 m that hangs across the view. `is_first` says whether the key `size_m` states the 5 m first
+/// (the lamp is then turned by 90°) or second; both must look the same.
 fn scene(is_first: bool) -> Scene {
     let (heading_deg, size_m) = if is_first { (90, [2.0 * HALF_M, 0.3]) } else { (0, [0.3, 2.0 * HALF_M]) };
     let text = format!(
@@ -71,8 +71,8 @@ fn the_glint_of_a_long_lamp_ends_where_its_image_ends_on_both_sides_and_has_no_s
         let scene = scene(is_first);
         let mut renderer = renderer();
         let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
-        // The renderer cuts the floor into blocks half a metre wide. A glint's end moves by 0.57 of what the eye moves, so that these steps put
-        // it everywhere in a block.
+        // The renderer cuts the floor into blocks half a metre wide. The end of a glint moves by 0.57 of the distance that the eye moves, so that the
+        // eye positions of this loop put the glint's end everywhere within a block.
         for index in 0..36 {
             let aside_m = -0.4 + 0.024 * f64::from(index);
             let row = glint(&world, &mut renderer, aside_m);
@@ -80,7 +80,8 @@ fn the_glint_of_a_long_lamp_ends_where_its_image_ends_on_both_sides_and_has_no_s
                 // Image right is along −y, so that places to the left have smaller columns.
                 let end_px = |half_m: f64| 320.0 - FOCAL_PX * (side * half_m - aside_m) / AHEAD_M;
                 let at = |half_m: f64| row[end_px(half_m).round() as usize];
-                // The floor's blur of 0.035 rad is up to 0.12 m wide on the lamp, so that nothing of the lamp's end is seen 1 m within it.
+                // The glossy floor blurs what it mirrors by 0.035 rad, up to 0.12 m on the lamp. A place 1 m from the lamp's end is therefore as
+                // bright as if the lamp did not end.
                 let within = at(HALF_M - 1.0);
                 assert!(within > 60.0, "{within}");
                 let share = at(HALF_M)
@@ -125,7 +126,7 @@ fn picture_of_box(more_of_box: &str) -> GrayImage {
 #[test]
 fn a_glossy_box_shows_a_bulb_where_a_mirror_would() {
     let matt = picture_of_box("");
-    // In these rows only the black box is seen.
+    // In the image rows 60 to 159, which are searched for the bulb's reflection, only the black box is seen.
     let brightest = |image: &GrayImage| {
         (0..321).flat_map(|u| (60..160).map(move |v| (u, v))).map(|(u, v)| level(image, u, v)).fold(0.0, f64::max)
     };

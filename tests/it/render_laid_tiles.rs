@@ -26,7 +26,8 @@ fn corner(tiles: &Tiles, laid: &LaidTiles, i: usize, j: usize) -> ([f64; 2], [f6
     (nominal, [nominal[0] + offset[0], nominal[1] + offset[1]])
 }
 
-/// Largest offset of any joint across its direction, and largest angle between a joint and its nominal direction, at places inside the room.
+/// How far floor tiles as laid depart from the nominal grid, at places inside the room: largest offset of any joint across its direction, and largest
+/// angle between a joint and its nominal direction.
 fn departures(tiles: &Tiles, laid: &LaidTiles) -> (f64, f64) {
     let (mut offset_m, mut angle_rad) = (0.0_f64, 0.0_f64);
     for i in 0..laid.count[0] - 1 {
@@ -92,7 +93,7 @@ fn a_misplaced_tile_shows_near_itself_and_nowhere_else() {
     let misplaced = Misplaced { tile: [5, 3], offset_m: [0.008, 0.0] };
     let tiles = Tiles { misplaced: vec![misplaced], laying_tolerance_m: 0.0, ..Tiles::default() };
     let laid = LaidTiles::draw(&tiles, &ROOM, Distribution::Uniform, 0);
-    // The misplaced tile covers x from 1.5 to 1.8 and y from 0.9 to 1.2.
+    // The floor tile that the scene misplaces covers x from 1.5 to 1.8 and y from 0.9 to 1.2.
     assert!((laid.errors_near(&tiles, &ROOM, [1.65, 1.05], 0.3).offset_m - 0.008).abs() < 1e-12);
     assert!(laid.errors_near(&tiles, &ROOM, [0.6, 0.6], 0.3).offset_m < 1e-12);
     // The left joint of the misplaced tile is 8 mm further to the right along its whole edge.

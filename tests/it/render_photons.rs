@@ -29,8 +29,8 @@ fn grey_level_follows_from_lux_albedo_aperture_and_exposure() {
     view.illuminance_at_floor_lux = 200.0;
     view.gain_levels_per_electron = 0.03;
     let image = studio.draw(view);
-    // Luminance L = 0.5·200/π; on the sensor (π/4)·L/2² = 6.25 lx. One lux of 555 nm is 4.09e15 photons/(s·m²): 6.25 · 4.09e15 · (4.8 µm)² · 10
-    // ms · 0.55 = 3239 electrons, times 0.03 = 97.2 levels.
+    // By hand, the expected grey level of a tile with albedo 0.5 in 200 lx: luminance L = 0.5·200/π; on the sensor (π/4)·L/2² = 6.25 lx. One lux of
+    // 555 nm is 4.09e15 photons/(s·m²): 6.25 · 4.09e15 · (4.8 µm)² · 10 ms · 0.55 = 3239 electrons, times 0.03 = 97.2 levels.
     let (mean, _) = moments(image.as_raw());
     assert!((mean / 97.2 - 1.0).abs() < 0.02, "{mean}");
 }
@@ -39,11 +39,11 @@ fn grey_level_follows_from_lux_albedo_aperture_and_exposure() {
 fn noise_has_the_variance_of_photons_and_reading() {
     let studio = one_tile();
     let mut view = studio.view(&[standing(2.5, 2.5, 0.0)], 0);
-    // The tile gives 16.2 electrons per lux: 30 lx are 486 electrons, times 0.25 = 121.5 levels.
+    // The tile gives 16.2 electrons per lux: 30 lx are 486 electrons. At a gain of 0.25 levels per electron these are 121.5 levels.
     view.illuminance_at_floor_lux = 30.0;
     view.gain_levels_per_electron = 0.25;
     let (mean, variance) = moments(studio.draw(view).as_raw());
-    // The variance in levels is that of shot noise, gain·mean, of read noise, (6·0.25)², and of rounding, 1/12.
+    // Expected variance of the grey levels: shot noise gain·mean, read noise (6·0.25)², and rounding 1/12.
     let expected = 0.25 * mean + 2.25 + 1.0 / 12.0;
     assert!((variance / expected - 1.0).abs() < 0.02, "{variance}, expected {expected}");
 }
@@ -56,7 +56,7 @@ fn few_electrons_are_counted_as_poisson_has_it() {
         view.sensor.read_noise_electrons = 0.0;
         view.illuminance_at_floor_lux = 300.0;
         view.exposure_s = 0.01 * mean_electrons / (16.196 * 300.0);
-        // Each electron is one grey level, and 255 levels hold all counts.
+        // At this gain each electron is one grey level, and the 255 levels hold all counts that occur.
         view.gain_levels_per_electron = 1.0;
         let image = studio.draw(view);
         let n_pixels = image.as_raw().len() as f64;
@@ -66,7 +66,7 @@ fn few_electrons_are_counted_as_poisson_has_it() {
         let mut probability = (-mean).exp();
         for count in 0..12_u8 {
             let share = image.as_raw().iter().filter(|&&level| level == count).count() as f64 / n_pixels;
-            // With 307 200 pixels, the share of a count scatters by 0.0009 at most (one standard deviation).
+            // Over 307 200 pixels, the share of pixels with a given count scatters by 0.0009 at most (one standard deviation).
             assert!((share - probability).abs() < 0.004, "{count} electrons: {share}, Poisson {probability}");
             probability *= mean / f64::from(count + 1);
         }
@@ -88,7 +88,7 @@ fn noise_is_the_same_for_the_same_key_and_independent_for_another() {
     for other in [draw(5, 1), draw(6, 0), draw(5 + (1 << 32), 0)] {
         let products = first.iter().zip(&other).map(|(&a, &b)| (f64::from(a) - mean) * (f64::from(b) - mean));
         let correlation = products.sum::<f64>() / first.len() as f64 / variance;
-        // The correlation of 307 200 independent pairs of pixels scatters by 0.0018 (one standard deviation).
+        // The correlation between two images with independent noise, of 307 200 pixels each, scatters by 0.0018 (one standard deviation).
         assert!(correlation.abs() < 0.009, "{correlation}");
     }
 }
@@ -139,7 +139,7 @@ fn uneven_light_keeps_its_mean_and_its_ratio() {
         for j in 0..=n {
             let share = |k: i32| f64::from(k) / f64::from(n);
             let factor = field.factor_at([room.width_m * share(i), room.depth_m * share(j)].into());
-            // Trapezoidal rule: values at the room's borders count half.
+            // The mean of the light over the room is computed by the trapezoidal rule: values at the room's borders count half.
             let weight = |k: i32| if k == 0 || k == n { 0.5 } else { 1.0 };
             sum += factor * weight(i) * weight(j);
             least = least.min(factor);

@@ -6,8 +6,8 @@ use sim::truth::Truth;
 
 use crate::render_studio::{Studio, standing};
 
-/// Text of a scene file for dark squares of 13 mm on a plain floor, as stray things; a stray thing of 13 mm is too wide to be a wire, which would
-/// cast a shadow.
+/// Text of a scene file with dark squares of 13 mm on a plain floor. They are strips as the key `floor.stray` lays them, too wide to be taken for
+/// wires, which would cast a shadow.
 pub(crate) fn marks(places: &[[f64; 2]]) -> String {
     places
         .iter()
@@ -30,7 +30,7 @@ pub(crate) fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
     for v in v0 - 16..=v0 + 16 {
         for u in u0 - 16..=u0 + 16 {
             let dark = ring - level(u, v);
-            // Noise and quantisation are far below a tenth of the mark's contrast.
+            // A pixel counts as part of the dark mark if it is darker than its surroundings by a tenth; noise and quantisation are far below that.
             if dark > 0.1 * ring {
                 sums = [sums[0] + dark, sums[1] + dark * f64::from(u), sums[2] + dark * f64::from(v)];
             }
@@ -41,7 +41,8 @@ pub(crate) fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn floor_points_appear_where_a_projection_derived_by_hand_puts_them() {
-    // The marks lie far from the world origin of a large hall, where single precision in world coordinates would show.
+    // The marks lie far from the world origin, at 18 m in a large hall, where computing with world coordinates in single precision would visibly
+    // shift them.
     let (x, y) = (18.3, 17.9);
     let places =
         [[0.0, 0.0], [0.12, 0.05], [-0.1, 0.08], [0.09, -0.11], [-0.12, -0.06]].map(|[dx, dy]| [x + dx, y + dy]);
@@ -54,7 +55,7 @@ fn floor_points_appear_where_a_projection_derived_by_hand_puts_them() {
     ] {
         studio.mount.yaw_rad = yaw;
         studio.mount.tilt_rad = mount_tilt;
-        // The camera is 0.15 m behind the axle, so that this pose puts it over the marks.
+        // The robot stands so that its floor camera, 0.15 m behind the axle, is over the marks on the floor.
         let pose = Pose { x_m: x + 0.15 * f64::cos(heading), y_m: y + 0.15 * f64::sin(heading), heading_rad: heading };
         let truth = Truth { pose, tilt_rad: tilt, heave_m: heave, ..Truth::default() };
         let image = studio.draw(studio.quiet_view(&[truth]));
@@ -69,10 +70,10 @@ fn floor_points_appear_where_a_projection_derived_by_hand_puts_them() {
 
 #[test]
 fn image_up_is_forward_and_image_right_is_right() {
-    // The robot stands at (1, 1) and faces world y: forward of the camera is +y, right of the camera is +x.
+    // The robot stands at (1, 1) and faces world y, so that +y is forward of its floor camera and +x is to the camera's right.
     let studio = Studio::new(2.0, &marks(&[[1.0, 0.95], [1.1, 0.85]]));
     let image = studio.draw(studio.quiet_view(&[standing(1.0, 1.0, std::f64::consts::FRAC_PI_2)]));
-    // A distance of 0.1 m is 133.3 px.
+    // In this image of the floor, 0.1 m is 133.3 px long.
     let ahead = dark_centroid(&image, [319.5, 106.2]);
     let right = dark_centroid(&image, [452.8, 239.5]);
     assert!((ahead[0] - 319.5).abs() < 0.1 && (ahead[1] - (239.5 - 133.33)).abs() < 0.1, "{ahead:?}");
@@ -96,7 +97,7 @@ const PLAIN_TILES: &str = "[floor.tiles]\npattern = \"plain\"\ntile_albedo_sprea
 
 #[test]
 fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
-    // The tile grid is rotated by 17° and seen at several headings, so that joints cross the pixels at all angles.
+    // The grid of floor tiles is rotated by 17° and seen at several headings, so that joints cross the pixels at many angles.
     let studio = Studio::new(3.0, &format!("{PLAIN_TILES}rotation_deg = 17.0\n"));
     let laid = studio.drawn.place.tiles.as_ref().unwrap();
     let corner_in_world = |i: i32, j: i32| {
@@ -107,7 +108,7 @@ fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
         [cos * x - sin * y, sin * x + cos * y]
     };
     for heading in [0.0, 0.2, 0.5] {
-        // Under the camera is the middle of the joint from corner (5, 3) to (5, 4), which runs along image v within ±50°.
+        // The floor camera is put over the middle of the joint from tile corner (5, 3) to (5, 4), which runs within 29° of image v at these headings.
         let ends = [corner_in_world(5, 3), corner_in_world(5, 4)];
         let middle = [0, 1].map(|axis| (ends[0][axis] + ends[1][axis]) / 2.0);
         let heading = heading + 107_f64.to_radians();
@@ -127,16 +128,16 @@ fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
 
 #[test]
 fn blur_is_as_long_as_the_way_during_the_exposure() {
-    // A black tape lies across the view; its far edge, x = 1.5, is under the camera at mid-exposure.
+    // A black tape lies across the floor camera's view; its far edge, x = 1.5, is below the camera in the middle of the exposure.
     let tape = "[[floor.stray]]\nfrom_m = [1.45, 0.5]\nto_m = [1.45, 2.5]\nwidth_m = 0.1\nalbedo = 0.0\n";
     let studio = Studio::new(3.0, tape);
     for blur_px in [3.5, 7.0, 14.0] {
-        // The robot drives along world x; image up is forward, and one pixel is 0.75 mm.
+        // The robot drives along world x. Image up is robot forward, and one pixel of the floor image is 0.75 mm.
         let way_m = blur_px * 0.00075;
         let truths: Vec<Truth> =
             (0..=10).map(|k| standing(1.65 + (f64::from(k) / 10.0 - 0.5) * way_m, 1.5, 0.0)).collect();
         let mut view = studio.view(&truths, 0);
-        // The noise is reduced to half a level, so that the mean of a row resolves fractions of a level.
+        // The noise is reduced to half a grey level, so that the mean of a row of pixels resolves fractions of a level.
         view.sensor.full_well_electrons = 1e5;
         view.exposure_s *= 10.0;
         view.gain_levels_per_electron /= 10.0;

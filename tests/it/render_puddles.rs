@@ -13,7 +13,7 @@ use crate::{
     render_studio::renderer,
 };
 
-/// Text of a scene file that lays a puddle on black tiles, from which all light that comes is mirrored light.
+/// Text of a scene file that lays a puddle on black tiles, so that all light that comes from the floor is mirrored by the water.
 const BLACK_PUDDLE: &str = "[floor.tiles]\npattern = \"plain\"\nedge_x_m = 5.0\nedge_y_m = 5.0\njoint_width_m = 0.001\n\
      tile_albedo = 0.0\ntile_albedo_spread = 0.0\njoint_albedo = 0.0\n[[floor.region]]\nname = \"puddle\"\n\
      x_m = [0.6, 3.0]\ny_m = [0.3, 2.7]\nfriction = 0.4\ncovering = \"wet\"\n";
@@ -53,7 +53,7 @@ fn a_puddle_mirrors_the_nearest_of_the_things_that_stand_behind_one_another() {
     let (near, far) = (furniture("near", 2.6, 0.2, 0.2), furniture("far", 3.6, 1.0, 0.8));
     let (eye_m, levels) = (0.5, 300.0);
     let row_of = |floor_x_m: f64| 300.0 + FOCAL_PX * eye_m / (floor_x_m - 0.5);
-    // A mirrored ray rises from the water at x as steeply as it fell on it.
+    // Slope of a ray that the water mirrors at `floor_x_m`: it rises from the water as steeply as it fell on it from the eye.
     let slope = |floor_x_m: f64| eye_m / (floor_x_m - 0.5);
     let expected = |floor_x_m: f64, front_m: f64, albedo: f64| {
         let height_m = slope(floor_x_m) * (front_m - floor_x_m);
@@ -73,7 +73,7 @@ fn a_puddle_mirrors_the_nearest_of_the_things_that_stand_behind_one_another() {
             let (seen, expected) = (seen(floor_x_m), expected(floor_x_m, front_m, albedo));
             assert!((seen / expected - 1.0).abs() < 0.05, "at {floor_x_m} m {seen}, expected {expected}");
         }
-        // The ray that is mirrored at x = 2 just passes the top of the low box, which is 0.2 m high.
+        // The low box, 0.2 m high, must hide the high one up to the mirrored ray that just passes its top, which is the ray mirrored at x = 2.
         let [low, high] = [2.08, 1.9].map(seen);
         let rows = row_of(2.08) as u32..row_of(1.9) as u32;
         let edge = rows.clone().find(|row| level(&image, 160, *row) > (low + high) / 2.0).unwrap();
@@ -88,7 +88,7 @@ const LOW_PANEL: &str = "[[lamp]]\nkind = \"panel\"\nx_m = 2.9\ny_m = 1.5\nheigh
 
 /// First and last row in which the picture's middle column is lighter than half of the level `full`.
 fn light_rows(image: &GrayImage, full: f64) -> [f64; 2] {
-    // Only rows below that of the floor 1.8 m straight ahead are searched; they show nothing but the puddle.
+    // Only rows below the image of the floor 1.8 m straight ahead are searched, because they show nothing but the puddle.
     let light: Vec<u32> = (480..600).filter(|v| level(image, 160, *v) > full / 2.0).collect();
     [light[0], light[light.len() - 1]].map(f64::from)
 }
@@ -96,7 +96,8 @@ fn light_rows(image: &GrayImage, full: f64) -> [f64; 2] {
 #[test]
 fn a_lamp_shows_in_a_puddle_where_and_as_large_as_its_image_below_the_water() {
     let image = look_ahead(&black_room(&format!("{BLACK_PUDDLE}{LOW_PANEL}")), 0.6, 50.0);
-    // The panel's luminance is Φ/(π·A), of which the water mirrors the share for a ray that falls by 1.8 m over 2.4 m.
+    // Expected level of the lamp's reflection in the puddle: the panel's luminance is Φ/(π·A), and the water mirrors the share that belongs to a ray
+    // that falls by 1.8 m over 2.4 m.
     let full = 50.0 * mirrored(0.6) * 20.0 / (PI * 0.09);
     let middle = level(&image, 160, 525);
     assert!((middle / full - 1.0).abs() < 0.03, "{middle}, expected {full}");

@@ -53,7 +53,8 @@ fn a_wall_s_luminance_falls_by_the_cosine_off_the_axis_and_by_that_of_incidence(
     let (levels, left_rad) = (100.0, 0.5);
     let lens = Lens::ideal([321, 161], 150.0);
     let image = look(&scene, &[], (lens, turned(2.0, 1.3, left_rad)), levels);
-    // The wall at x = 4 is 2 m ahead. The ray of each pixel is turned into the world frame.
+    // The wall at x = 4 is 2 m ahead of the camera. The ray of each tested pixel is turned into the world frame, so that its cosine of incidence on
+    // the wall can be computed by hand.
     for u in [20.0, 100.0, 160.0, 220.0, 300.0] {
         for v in [30.0, 80.0, 120.0] {
             let (right, down) = ((u - 160.0) / 150.0, (v - 80.0) / 150.0);
@@ -107,7 +108,7 @@ fn a_neck_is_as_bright_to_its_sides_as_the_cosine_on_an_ellipse_has_it() {
     let (across_m, deep_m) = (0.22 * 0.23, 0.24 * 0.23);
     let lens = Lens::ideal([161, 17], focal_px);
     let image = look(&scene, &[person(2.5)], (lens, turned(1.0, 0.86 * 1.75, 0.0)), levels);
-    // The level falls by some hundredths from pixel to pixel, so that it is interpolated.
+    // Grey level between two pixels of the row that shows the neck, by linear interpolation: the level falls by some hundredths from pixel to pixel.
     let between = |image: &GrayImage, u: f64| {
         let (left, share) = (u.floor() as u32, u - u.floor());
         (1.0 - share) * level(image, left, 8) + share * level(image, left + 1, 8)
@@ -147,7 +148,8 @@ fn a_lamp_that_is_off_shows_its_diffuser_in_the_ring_s_light() {
 
 #[test]
 fn without_a_ring_a_dot_is_a_matt_disc_in_the_rooms_light() {
-    // The bulb of 100 cd is 0.6 m aside of the dot and 0.999 m below it: E = I·cos β/d². Light that the floor throws back adds some lux.
+    // The dot is on the ceiling; the bulb of 100 cd is 0.6 m aside of the dot and 0.999 m below it: E = I·cos β/d². Light that the floor throws back
+    // adds some lux.
     let scene = black_room(
         "[[building.dot]]\nx_m = 2.0\ny_m = 1.5\nradius_m = 0.05\n[[lamp]]\nkind = \"point\"\nx_m = 2.6\ny_m = 1.5\n\
          height_m = 1.6\nlumens = 1256.637\nspectrum = \"monochrome\"\n",
@@ -192,7 +194,8 @@ fn an_infrared_forward_camera_sees_a_dark_room_by_its_ring() {
     let (candela, albedo) = (intensity_w_per_sr * 683.0 * 850.0 / 555.0, 0.64);
     for pixel in [[320.0, 240.0], [100.0, 240.0], [540.0, 300.0], [320.0, 80.0]] {
         let [right, down] = lens.ray(pixel).unwrap();
-        // The wall is 2 m ahead and faces the camera, so that the ray's cosine off the axis is also its cosine of incidence.
+        // By hand, the wall's illuminance by the ring light: the wall is 2 m ahead and faces the camera, so that the cosine of a ray off the camera's
+        // axis is also its cosine of incidence.
         let cosine = 1.0 / 1.0_f64.hypot(right).hypot(down);
         let lux = candela * cosine * cosine / (2.0 / cosine).powi(2);
         let (seen, expected) = (around(&image, pixel), levels * albedo * lux / PI);

@@ -132,13 +132,13 @@ fn grey_levels_of_a_floor_are_its_luminance_by_hand() {
 
 #[test]
 fn the_image_falls_off_by_the_fourth_power_of_the_cosine() {
-    // Straight below a large even light nothing but the lens makes the corner darker. The picture is compared with the same view without
-    // fall-off.
+    // Straight below a large even light, nothing but the lens's natural fall-off makes the corners of the image darker. The image is compared with
+    // one of the same view without that fall-off.
     let scene = black_room("[light]\nilluminance_at_floor_lux = 100\n");
     let lens = Lens { vignetting: true, ..Lens::ideal([65, 65], 40.0) };
     let with = draw(&scene, quiet_view(lens, vec![looking_down(2.0, 1.5, 0.5)], 15.0));
     let without = draw(&scene, quiet_view(Lens::ideal([65, 65], 40.0), vec![looking_down(2.0, 1.5, 0.5)], 15.0));
-    // The pixel (62, 32) is 30 px off the axis at a focal length of 40 px: tan = 0.75, cos⁴ = 0.64².
+    // Expected share of light at pixel (62, 32), which is 30 px off the axis at a focal length of 40 px: tan = 0.75, cos⁴ = 0.64².
     let mean = |image: &GrayImage| (28..37).map(|v| level(image, 62, v)).sum::<f64>();
     let ratio = mean(&with) / mean(&without);
     assert!((ratio / 0.4096 - 1.0).abs() < 0.02, "{ratio}");
@@ -214,8 +214,8 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
 fn blur_is_as_long_as_the_way_on_the_image() {
     let scene = dots(&[[2.0, 1.5]], 0.005);
     let lens = ring(Lens::ideal([256, 192], 560.0));
-    // The dot is seen from a metre away, and from so near that the same blur is a third of the distance driven: sub-frames are counted by how
-    // far things move on the image.
+    // The renderer draws a moving view as several sub-frames, and chooses their number by how far things move in the image. So the dot is seen from a
+    // metre away, and from so near that the same blur in pixels is a third of the distance driven.
     for height_m in [1.6, 2.25] {
         let depth_m = DOT_HEIGHT_M - height_m;
         let variance = |blur_px: f64| {
@@ -228,7 +228,7 @@ fn blur_is_as_long_as_the_way_on_the_image() {
         };
         let still = variance(0.0);
         for blur_px in [4.0, 9.0, 20.0, 70.0] {
-            // A steady motion adds a box of this length to the spot, whose variance is b²/12.
+            // A steady motion smears the spot by a box of length b in pixels, which adds b²/12 to its variance.
             let measured_px = (12.0 * (variance(blur_px) - still)).sqrt();
             assert!(
                 (measured_px / blur_px - 1.0).abs() < 0.02,
@@ -246,7 +246,7 @@ fn defocus_spreads_a_point_over_its_disc() {
         let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.3, Vector3::zeros())], 0.4));
         spot(&image, [127.5, 95.5], 24).1
     };
-    // A blur disc of diameter d has the variance d²/16 along any axis.
+    // A blur disc of diameter d px spreads a point with the variance d²/16 along any axis.
     let added = variance(8.0) - variance(0.0);
     assert!((added / 4.0 - 1.0).abs() < 0.05, "{added}, expected 4");
 }
@@ -256,7 +256,8 @@ fn a_retro_reflector_is_as_bright_as_its_coefficient_says() {
     let scene = dots(&[[2.0, 1.5]], 0.05);
     let lens = Lens { ring_candela: 3.0, ..Lens::ideal([64, 64], 200.0) };
     let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.6, Vector3::zeros())], 1.0));
-    // The dot's luminance is R_A·E⊥, with a coefficient of retroreflection R_A of 200 cd/lx/m² and the light of 3 cd from 1.999 m.
+    // By hand, the retro-reflective dot's luminance is R_A·E⊥: the coefficient of retroreflection R_A is 200 cd/lx/m², and the camera's ring lights
+    // the dot with 3 cd from 1.999 m.
     let expected = 200.0 * 3.0 / (2.6_f64 - 0.001 - 0.6).powi(2);
     let mean =
         (30..34).flat_map(|u| (30..34).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 16.0;
@@ -298,7 +299,8 @@ fn each_seed_has_a_pattern_of_its_own_whatever_was_drawn_before() {
     };
     let (first, other, again, next) = (look(5, 0), look(6, 0), look(5, 0), look(5, 1));
     assert!(again == first, "the first seed's pattern after another's");
-    // There is hardly any photon noise: two images of the same seed differ little, and those of two seeds by a tenth of their level.
+    // The image has hardly any photon noise, so that the sensor's fixed pattern dominates: two images of the same seed differ little, and those of
+    // two seeds by a tenth of their level.
     let apart = |one: &GrayImage, two: &GrayImage| {
         one.pixels()
             .zip(two.pixels())
@@ -329,7 +331,8 @@ fn rooms_that_share_a_wall_s_line_have_one_wall_there() {
 
 #[test]
 fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
-    // The bulb is at x = 1: there are 25 lx under it, and 8.84 lx 2 m aside. Screed has no texture, so that the image's mean is the light.
+    // The bulb hangs over x = 1: the floor has 25 lx below it, and 8.84 lx 2 m aside. The floor is screed, which has no texture, so that the image's
+    // mean shows the light alone.
     let scene = black_room(
         "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\n\
          spectrum = \"monochrome\"\n",
@@ -352,7 +355,8 @@ fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
         let (seen, expected) = (mean(&look(x), 0..64), 50.0 * 0.4 * lux / PI);
         assert!((seen / expected - 1.0).abs() < 0.01, "{seen}, expected {expected}");
     }
-    // At x = 3 the slope of the light is d ln E/dx = −3·2/(4 + 2²); the middles of the picture's two halves are 0.125 m apart.
+    // By hand, the light on the floor falls off at x = 3 with the slope d ln E/dx = −3·2/(4 + 2²) per metre; the middles of the picture's two halves
+    // are 0.125 m apart.
     let image = look(3.0);
     let slope = (mean(&image, 32..64) / mean(&image, 0..32)).ln() / 0.125;
     assert!((slope / -0.75 - 1.0).abs() < 0.05, "{slope} per metre, expected -0.75");
@@ -401,7 +405,8 @@ fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let lens = Lens::ideal([320, 320], 300.0);
     let view = View { illuminance_at_floor_lux: 200.0, ..quiet_view(lens, vec![pose], 20.0) };
     let image = renderer.draw(&world, &[view]).unwrap().remove(0);
-    // The walls are black: the topmost lit pixel of the middle column is the crown of the person's head, 0.85 m above the axis at 2.5 m.
+    // The walls are black, so that the topmost lit pixel of the image's middle column shows the crown of the person's head, 0.85 m above the camera's
+    // axis at 2.5 m.
     let crown = (0..320).find(|v| level(&image, 159, *v) > 2.0).unwrap();
     let expected = 159.5 - 300.0 * 0.85 / 2.5;
     assert!((f64::from(crown) - expected).abs() < 3.0, "{crown}, expected {expected}");
@@ -417,7 +422,7 @@ pub(crate) fn looking_ahead() -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(0.5, 1.5, 1.6), UnitQuaternion::from_matrix(&columns))
 }
 
-/// Mean and variance of places, weighted by the numbers beside them.
+/// Mean and variance of places on a line, each given with its weight.
 pub(crate) fn spread(places: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
     let sum: f64 = places.clone().map(|(_, weight)| weight).sum();
     let mean = places.clone().map(|(at, weight)| at * weight).sum::<f64>() / sum;
@@ -429,7 +434,7 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
-    // The person walks across the view; legs and arms swing, but the neck does not.
+    // The person walks across the camera's view. The test looks at the neck, which does not swing as legs and arms do.
     let walker = |from_middle_m: f64, speed_m_per_s: f64| UprightBody {
         middle_m: [3.0, 1.5 + from_middle_m],
         heading_rad: -PI / 2.0,
@@ -439,8 +444,8 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
         velocity_m_per_s: [0.0, -speed_m_per_s],
     };
     let lens = Lens::ideal([320, 320], 300.0);
-    // Grey levels along the row of the neck. No pixel may be saturated: the picture at rest would then lack light that the smear spreads, and a
-    // smear of 12 px would be measured as 14 px.
+    // Grey levels along the image row that shows the person's neck. No pixel may be saturated: the picture of a person at rest would then lack light
+    // that motion spreads, and a smear of 12 px would be measured as 14 px.
     let mut along_row = |from_middle_m: f64, speed_m_per_s: f64| {
         world.place_bodies(&[walker(from_middle_m, speed_m_per_s)]);
         let view = View { illuminance_at_floor_lux: 200.0, ..quiet_view(lens.clone(), vec![looking_ahead()], 6.0) };
@@ -453,16 +458,16 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
     };
     let pixel_m = 2.5 / 300.0;
     let still = along_row(0.0, 0.0).0;
-    // At rest the neck's image is up to a tenth of a pixel wider or narrower, depending on where it lies between pixels; hence the mean over four
-    // places.
+    // The neck's image of a person at rest is up to a tenth of a pixel wider or narrower, depending on where it lies between pixels. Hence the
+    // variance at rest is the mean over four positions.
     let still_variance =
         [0.0, 0.25, 0.5, 0.75].map(|shift_px| along_row(shift_px * pixel_m, 0.0).1).iter().sum::<f64>() / 4.0;
     for speed_m_per_s in [0.2, 0.4] {
         let (middle, variance) = along_row(0.0, speed_m_per_s);
-        // In half a second at 0.2 m/s the person walks 12 px, up to the place at the end of the exposure.
+        // In half a second of exposure at 0.2 m/s the person walks 12 px, and at the end of the exposure is where a person at rest is seen.
         let way_px = 0.5 * speed_m_per_s / pixel_m;
         assert!((still - middle - way_px / 2.0).abs() < 0.02 * way_px, "{still} px, {middle} px");
-        // A steady motion adds a box of this length, whose variance is way²/12.
+        // A steady motion smears the neck by a box whose length is the way in pixels, which adds way²/12 to its variance.
         let measured_px = (12.0 * (variance - still_variance)).sqrt();
         assert!((measured_px / way_px - 1.0).abs() < 0.02, "{measured_px} px, expected {way_px}");
     }
@@ -504,7 +509,8 @@ fn the_shadow_of_a_person_who_walks_is_smeared_as_the_person_is() {
         spread(lit.iter().zip(&levels).map(|((u, lit), (_, left))| (*u, 1.0 - left / lit)))
     };
     let (still, walking) = (shadow(0.0), shadow(0.5));
-    // In half a second at 0.5 m/s the person walks 0.25 m, so that the shadow moves 0.4 m and ends where it is when the person stands still.
+    // In half a second of exposure at 0.5 m/s the person walks 0.25 m, so that the shadow moves 0.4 m and ends where it is when the person stands
+    // still.
     let way_px = 1.6 * 0.25 * 200.0;
     assert!((still.0 - walking.0 - way_px / 2.0).abs() < 0.03 * way_px, "{still:?}, {walking:?}");
     let measured_px = (12.0 * (walking.1 - still.1)).sqrt();
@@ -521,7 +527,7 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
     };
     // The picture's rows reach from 0.5 m above the camera's axis to 0.4 m below; with 75 px of focal length at 2.5 m, a metre takes 30 px.
     let lens = Lens::ideal([96, 64], 75.0);
-    // The camera is upright, and then tipped to the side, so that the slat's edges run across columns.
+    // The camera that looks at the upright slat is upright, and then rolled by 0.3 rad, so that the slat's edges run across columns.
     for roll_rad in [0.0_f64, 0.3] {
         let pose = looking_ahead() * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), roll_rad);
         let look = |scene: &Scene| draw(scene, quiet_view(lens.clone(), vec![pose], 6.0));
@@ -533,7 +539,7 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
                 let axis = 47.5 + (f64::from(v) - 31.5) * roll_rad.tan();
                 let full = level(&wide, axis as u32, v);
                 let seen_px = (0..96).map(|u| level(&image, u, v)).sum::<f64>() / full * roll_rad.cos();
-                // Tolerance: rounding by half a level in each of four pixels, of 180 levels, and 1 % of the width.
+                // Tolerance of the slat's measured width: rounding by half a level in each of four pixels, of 180 levels, and 1 % of the width.
                 let most = 0.012 + 0.01 * width_px;
                 assert!((seen_px - width_px).abs() < most, "{width_px} px, row {v}, roll {roll_rad}: {seen_px} px");
             }
@@ -569,19 +575,20 @@ fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_
             let bearing_rad = (0.16 * f64::from(line) / before_m).atan();
             let mut errors_px = Vec::new();
             for v in 2..478 {
-                // A camera that turns to the left sees things ahead move to the right.
+                // The camera turns to the left while the rows are read out, so that what is ahead moves to the right in the image; by hand, the
+                // column of a line of the chessboard in row v.
                 let turned_rad = rate_rad_per_s * row_time_s * (f64::from(v) - 239.5);
                 let expected = 319.5 + focal_px * (bearing_rad + turned_rad).tan();
                 let depth_m = before_m / bearing_rad.cos() * (bearing_rad + turned_rad).cos();
                 let squares = (height_m - (f64::from(v) - 239.5) * depth_m / focal_px - 0.5) / 0.16;
-                // In rows where squares meet at their corners, no line is seen.
+                // Rows are skipped in which squares of the chessboard meet at their corners, because no line between light and dark is seen there.
                 if !(16.0..624.0).contains(&expected) || (squares - squares.round()).abs() < 0.05 {
                     continue;
                 }
                 let first = expected.round() as u32 - 9;
                 let row: Vec<f64> = (first..first + 19).map(|u| level(&image, u, v)).collect();
                 let [low, high] = [&row[..4], &row[15..]].map(|part| part.iter().sum::<f64>() / 4.0);
-                // Places beyond the board's last squares have no contrast and are left out.
+                // Pixels beyond the chessboard's last squares show no contrast between the two sides of the line, and are left out.
                 if (high - low).abs() < 40.0 {
                     continue;
                 }
@@ -589,7 +596,7 @@ fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_
                 let seen = f64::from(first) - 0.5 + before;
                 errors_px.push(seen - expected);
             }
-            // Photon noise and rounding scatter the line's place in a row by 0.02 px.
+            // Photon noise and rounding scatter the measured column of a line in a row by 0.02 px.
             for errors_px in errors_px.chunks(20) {
                 let mean_px = errors_px.iter().sum::<f64>() / errors_px.len() as f64;
                 assert!(mean_px.abs() < 0.1, "{before_m} m, line {line}: {mean_px} px off");
@@ -620,7 +627,8 @@ fn a_lamp_is_mirrored_where_its_image_below_the_floor_lies_unless_something_stan
     let (sum, moment) = glint.fold((0.0, 0.0), |(sum, moment), (seen, v)| (sum + seen, moment + seen * v));
     assert!(open.iter().copied().fold(0.0, f64::max) > 50.0, "{open:?}");
     assert!((moment / sum - expected_v).abs() < 2.0, "{}, expected {expected_v}", moment / sum);
-    // The ray from the floor to the lamp passes the board 0.91 m above the floor, and the board is 1.1 m high.
+    // The board hides the lamp's reflection: the ray from the floor to the lamp passes the board's place 0.91 m above the floor, and the board is 1.1
+    // m high.
     let hidden = look(board);
     assert!(hidden.iter().all(|seen| *seen < 5.0), "{hidden:?}");
 }
@@ -663,7 +671,7 @@ fn a_floor_camera_sees_shadows_end_where_similar_triangles_put_them() {
     );
     let dark_px: f64 = share.iter().map(|share| 1.0 - share).sum();
     assert!((dark_px - 40.0).abs() < 4.0, "{dark_px} px dark, expected 40 as the shadow ends in the middle");
-    // The floor behind a person who stands there is dark too: a person 1 m high casts a shadow as far as x = 1 + 1.4·2/1 m.
+    // The floor behind a person who stands between lamp and camera's view is dark too: a person 1 m high casts a shadow as far as x = 1 + 1.4·2/1 m.
     let behind = look("", &[person], ends_m);
     assert!(behind.iter().zip(&open).all(|(behind, open)| *behind < 0.1 * open), "{behind:?}");
 }
@@ -675,7 +683,7 @@ fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
             "[[lamp]]\nkind = \"panel\"\nx_m = {x_m}\ny_m = 1.5\nsize_m = [0.6, 0.6]\nlumens = 500\nspectrum = \"incandescent\"\n"
         )
     };
-    // One panel is in view, and one behind the camera lights the person's front.
+    // One lamp panel is in the camera's view, and one behind the camera lights the person's front.
     let scene = black_room(&(panel(3.4) + &panel(0.5)));
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
@@ -688,7 +696,8 @@ fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
         velocity_m_per_s: [0.0; 2],
     }]);
     let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
-    // The focal length is 150 px: a shirt 0.3 m below the eye is 22 px below the middle of the picture, and the lamp 51 px above it.
+    // The tested pixels, for a focal length of 150 px: the person's shirt, 0.3 m below the eye, is 22 px below the middle of the picture, and the
+    // lamp 51 px above it.
     let mut level_at = |band: Band, [u, v]: [u32; 2], levels: f64| {
         let lens = Lens { band, ..Lens::ideal([320, 320], 150.0) };
         let view = View { illuminance_at_floor_lux, ..quiet_view(lens, vec![looking_ahead()], levels) };
@@ -705,7 +714,8 @@ fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
     let photons = Photons::of(Spectrum::Incandescent);
     let expected = photons.infrared / photons.visible;
     assert!((lamp / expected - 1.0).abs() < 0.03, "lamp {lamp}, expected {expected}");
-    // The shirt reflects 0.35 of visible light and 0.55 of infrared; walls that are black to the eye also throw some infrared on it.
+    // The person's shirt reflects 0.35 of visible light and 0.55 of infrared. Walls that are black to the eye throw some infrared on it as well, so
+    // that its level may be higher.
     let own = shirt / expected / (0.55 / 0.35);
     assert!((0.97..1.6).contains(&own), "shirt {shirt}, light {expected}");
 }

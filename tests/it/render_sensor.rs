@@ -65,7 +65,8 @@ fn dark_current_adds_electrons_and_their_shot_noise() {
     let sensor = SensorModel { dark_current_electrons_per_s: 500.0, ..counting() };
     let dark = View { exposure_s: 0.2, ..view(&studio, sensor, 0.0, 0) };
     let (mean, variance) = moments(levels(&draw_deep(&studio, &[dark])[0]));
-    // Dark current gives 500 · 0.2 = 100 electrons over a black level of 100. The count is Poisson distributed, so that its variance is 100.
+    // Expected: dark current gives 500 · 0.2 = 100 electrons over a black level of 100. The count is Poisson distributed, so that its variance is
+    // 100.
     close(mean - 100.0, 100.0, 0.003);
     close(variance, 100.0, 0.02);
 }
@@ -75,7 +76,7 @@ fn pixels_differ_by_offset_and_sensitivity_alike_in_every_image() {
     const N_IMAGES: u32 = 40;
     let studio = one_tile();
     let sensor = SensorModel { dsnu_electrons: 12.0, prnu: 0.03, read_noise_electrons: 5.0, ..counting() };
-    // With albedo 0.5 and 16.2 electrons per lux at 10 ms, 60 lx give 972 electrons.
+    // By hand, a tile with albedo 0.5 gives 16.2 electrons per lux in 10 ms, so that 60 lx give 972 electrons.
     let series = |lux: f64| -> Vec<DeepImage> {
         (0..N_IMAGES).map(|image| draw_deep(&studio, &[view(&studio, sensor, lux, image)]).remove(0)).collect()
     };
@@ -90,11 +91,12 @@ fn pixels_differ_by_offset_and_sensitivity_alike_in_every_image() {
     let (bright_mean, bright_variance) = moments(bright.iter().copied());
     let signal = bright_mean - dark_mean;
     close(signal, 972.0, 0.02);
-    // The temporal noise that is left in the mean of n images is subtracted from the variance, as EMVA 1288 does (section 8).
+    // A mean of n images still contains 1/n of the temporal noise, which is subtracted from the variance between pixels, as EMVA 1288 does (section
+    // 8).
     close((dark_variance - (25.0 + 1.0 / 12.0) / f64::from(N_IMAGES)).sqrt(), 12.0, 0.01);
     let spatial = bright_variance - (signal + 25.0 + 1.0 / 12.0) / f64::from(N_IMAGES);
     close((spatial - 144.0).sqrt() / signal, 0.03, 0.01);
-    // The offset of a pixel does not depend on that of its neighbour.
+    // The offsets of neighbouring pixels must be independent of each other (no correlation).
     let pairs = dark.windows(2).map(|pair| (pair[0] - dark_mean) * (pair[1] - dark_mean));
     assert!((pairs.sum::<f64>() / dark.len() as f64 / dark_variance).abs() < 0.01);
 }
@@ -125,12 +127,12 @@ fn a_deep_picture_is_the_same_picture_with_more_bits() {
         let one = View { gain_levels_per_electron: gain, ..view(&studio, sensor, 120.0, 0) };
         let deep = draw_deep(&studio, std::slice::from_ref(&one)).remove(0);
         let shallow: GrayImage = studio.draw(one);
-        // At 16.2 electrons per lux, 120 lx give 1944 electrons.
+        // By hand, 120 lx give 1944 electrons, at 16.2 electrons per lux.
         close(moments(levels(&deep)).0, 1944.0 * gain, 0.02);
         let shift = bits.bits() - 8;
         assert!(deep.as_raw().iter().zip(shallow.as_raw()).all(|(deep, level)| deep >> shift == u16::from(*level)));
     }
-    // Levels of twelve bits end at 4095.
+    // In an image with twelve bits the greatest grey level is 4095, even in much brighter light.
     let bright = View { gain_levels_per_electron: 10.0, ..view(&studio, counting(), 300.0, 0) };
     assert!(draw_deep(&studio, &[bright])[0].as_raw().iter().all(|level| *level == 4095));
 }
@@ -209,7 +211,7 @@ fn auto_exposure_uses_the_range_of_every_sensor_above_its_black_level() {
 
 #[test]
 fn lamps_in_view_darken_all_else_only_where_they_may_not_turn_white() {
-    // Three of a hundred pixels look into lamps that are a hundred times as bright as all else.
+    // Image for the auto-exposure: three of a hundred pixels show lamps that are a hundred times as bright as all other pixels.
     let settled = |highlight_share: Option<f64>| {
         let sensor =
             SensorModel { highlight_share: highlight_share.unwrap_or(0.005), ..SensorPreset::GlobalShutter.model() };
@@ -225,9 +227,10 @@ fn lamps_in_view_darken_all_else_only_where_they_may_not_turn_white() {
         }
         f64::from(level(control.exposure(), 1.0))
     };
-    // When the lamps may reach level 215 at most, 2.15 levels are left for all else.
+    // Where the pixels that show lamps may reach level 215 at most, auto-exposure leaves 2.15 levels for all other pixels.
     assert!(settled(None) <= 3.0, "{}", settled(None));
-    // When the lamps may turn white, the mean level of 110 is reached: 0.03·255 + 0.97·x = 110.
+    // Where five of a hundred pixels may turn white, auto-exposure reaches its mean level of 110, with x the level of all pixels but the lamps':
+    // 0.03·255 + 0.97·x = 110.
     let expected = (110.0 - 0.03 * 255.0) / 0.97;
     assert!((settled(Some(0.05)) - expected).abs() < 2.0, "{}, expected {expected}", settled(Some(0.05)));
 }

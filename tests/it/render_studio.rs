@@ -42,7 +42,7 @@ impl Studio {
         let scene = Scene::parse(&text, "studio.toml").unwrap();
         let drawn = Drawn::draw(&scene, 1);
         let camera = scene.robot.floor_camera.as_ref().unwrap();
-        // The 640 px cover 0.48 m of the floor, seen from 0.25 m above: one pixel is 0.75 mm.
+        // The floor camera's 640 px cover 0.48 m of the floor, seen from 0.25 m above: one pixel is 0.75 mm.
         let focal_px = 0.25 * 640.0 / 0.48;
         assert_eq!((camera.height_m, camera.footprint_width_m), (0.25, 0.48));
         let mount = DrawnFloorCamera {
@@ -108,7 +108,7 @@ impl Studio {
         let (sin, cos) = self.mount.yaw_rad.sin_cos();
         let (px, py) = (cos * p[0] + sin * p[1], -sin * p[0] + cos * p[1]);
         let depth = -p[2];
-        // The principal point is that of 640 × 480 pixels.
+        // The principal point is the middle of the image of 640 × 480 pixels, (319.5, 239.5).
         [319.5 + self.mount.focal_px * -py / depth, 239.5 + self.mount.focal_px * -px / depth]
     }
 }
@@ -125,7 +125,7 @@ pub(crate) fn standing(x_m: f64, y_m: f64, heading_rad: f64) -> Truth {
     Truth { pose: Pose { x_m, y_m, heading_rad }, ..Truth::default() }
 }
 
-/// The view with its exposure replaced by one that auto-exposure chose.
+/// The same view with the exposure time and gain that auto-exposure chose.
 pub(crate) fn exposed(mut view: View, exposure: Exposure) -> View {
     view.exposure_s = exposure.exposure_s;
     view.gain_levels_per_electron = exposure.gain_levels_per_electron;

@@ -67,7 +67,8 @@ fn rows_of_a_rolling_shutter_see_people_where_they_then_are() {
                 let before_end_s = total_s - 0.5 * exposure_s - f64::from(v) * row_time_s;
                 let expected = 159.5 - focal_px / before_m * speed_m_per_s * before_end_s;
                 let (seen, _) = spread((0..320).map(|u| (f64::from(u), level(&image, u, v))));
-                // A pixel on either side of the head is white or not, so that it counts as a whole one.
+                // The pixels at the edges of the head's image are either white or black, so that each may add a whole pixel of error to the head's
+                // centre.
                 assert!((seen - expected).abs() < 0.6, "{speed_m_per_s} m/s, row {v}: {seen}, expected {expected}");
             }
         }
@@ -79,10 +80,10 @@ fn of_somebody_beside_the_picture_the_arm_is_seen_that_reaches_into_it() {
     let (focal_px, before_m) = (300.0, 1.0);
     let scene = lit_room();
     let view = || quiet_view(Lens::ideal([160, 240], focal_px), vec![ahead_from(0.5, 1.5, 1.2)], WHITE);
-    // Arms reach 0.9 + 0.2 of half the body's width, at 0.8 of its height.
+    // By the renderer's model of a person, the arms reach 0.9 + 0.2 times half the body's width from the axis, at 0.8 of the height.
     let (reach_px, row) = (focal_px * 1.1 * 0.23 / before_m, 119.5 - focal_px * (0.8 * 1.75 - 1.2) / before_m);
     for side in [-1.0, 1.0] {
-        // The body's axis is 40 px beyond the picture's border.
+        // The person stands beside the picture: the body's axis is 40 px beyond the picture's border, but an arm reaches into the picture.
         let axis_px = 79.5 + side * 120.0;
         let standing = person([0.5 + before_m, 1.5 - side * 120.0 * before_m / focal_px], PI, 0.0);
         let image = look(&scene, &[standing], view(), 0.5);
@@ -105,8 +106,9 @@ fn somebody_who_runs_out_of_the_picture_has_been_in_it() {
     let full = level(&still, column_of(1.25), row);
     // In half a second the person runs from y = 1 to y = 2.5, far out of the picture, which ends at y = 1.4.
     let image = look(&scene, &[person([3.5, 2.5], PI / 2.0, 3.0)], view(8.0 * levels), 0.5);
-    // A trunk is half as deep as half its width, so that it passes a place in 0.23 m of the 1.5 m driven; sub-frames resolve that to a fifth, and
-    // people are lit throughout as they are at their last place.
+    // A person's trunk is half as deep as half its width, so that it covers a given place for 0.23 m of the 1.5 m run, which is the expected share of
+    // the light. The sub-frames of which the renderer composes the exposure resolve that to a fifth, and people are lit in all of them as they are at
+    // their last place.
     let share = level(&image, column_of(1.25), row) / full / 8.0;
     assert!((0.5..1.5).contains(&(share / (0.23 / 1.5))), "{share} of {full}, expected {}", 0.23 / 1.5);
 }
@@ -123,7 +125,7 @@ fn a_camera_that_goes_with_a_shadow_sees_it_sharp() {
     let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 2.0) * down;
     let pose = |y_m: f64| Isometry3::from_parts(Translation3::new(2.1, y_m, 1.2), turned);
     let walker = |speed: f64| UprightBody { radius_m: 0.15, ..person([1.5, 1.5], PI / 2.0, speed) };
-    // At the end of the exposure the shadow and the camera are both at y = 1.5.
+    // The camera moves with the person's shadow on the floor; at the end of the exposure both are at y = 1.5.
     let along = |bodies: &[UprightBody], speed_m_per_s: f64| {
         let poses = (0..=4).map(|index| pose(1.5 - 1.6 * speed_m_per_s * 0.5 * (1.0 - f64::from(index) / 4.0)));
         let image = look(&scene, bodies, quiet_view(lens.clone(), poses.collect(), 60.0), 0.5);
@@ -135,8 +137,8 @@ fn a_camera_that_goes_with_a_shadow_sees_it_sharp() {
     };
     let (still, walking) = (shadow(0.0), shadow(0.5));
     assert!((still.0 - walking.0).abs() < 3.0, "{still:?}, {walking:?}");
-    // Shadows are updated every 0.05 m of the person's way while the camera moves on: that adds a box of 16 px, whose variance is 16²/12. A
-    // shadow that stood still would be smeared over 80 px.
+    // The renderer updates the shadow every 0.05 m of the person's way while the camera moves on. That smears the shadow's edge by a box of 16 px,
+    // whose variance is 16²/12. A shadow that stood still would be smeared over 80 px.
     let added = walking.1 - still.1;
     assert!((-10.0..60.0).contains(&added), "{added} px², {still:?}, {walking:?}");
 }

@@ -34,7 +34,7 @@ fn the_schema_file_is_up_to_date() {
 
 #[test]
 fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside() {
-    // Angles and coordinates need no range; a place outside of the room is refused by other checks.
+    // Scene keys that hold angles and coordinates need no range of values in the schema; a place outside of the room is refused by other checks.
     const FREE: [&str; 9] =
         ["rotation_deg", "yaw_deg", "waypoints_m", "x_m", "y_m", "unevenness_direction_deg", "tile", "from_m", "to_m"];
     fn walk(name: &str, node: &Value) {
@@ -97,7 +97,8 @@ fn named_paths(text: &str) -> Vec<PathBuf> {
     let spans = text.split(['`', '(', ')', ' ', '\n']);
     spans
         .filter(|span| FOLDERS.iter().any(|folder| span.starts_with(folder)))
-        // Patterns and placeholders stand for many files, and `experiments/out` holds files that are not committed.
+        // Only paths of existing files are checked: patterns and placeholders such as `*` and `<` stand for many files, and `experiments/out` holds
+        // files that are not committed.
         .filter(|span| !span.contains(['*', '<', '…', '{']) && !span.starts_with("experiments/out"))
         .map(|span| Path::new(span.trim_end_matches([',', '.', ':', ';'])).to_owned())
         .collect()
@@ -150,7 +151,8 @@ fn every_contractor_is_in_the_book() {
     let libraries = ["localizer/interval/src/contractor/mod.rs", "localizer/src/rigid_motion/mod.rs"].map(text);
     let lines = libraries.iter().flat_map(|library| library.lines());
     let shown = lines.filter_map(|line| line.strip_prefix("pub use ")?.split_once("::")?.1.strip_suffix(';'));
-    // Names that are no contractors of their own: a formula, a pair of boxes, the intersection, and combinators that are used by their verbs.
+    // Public names of the contractor modules that need no row of their own in the book: a formula, a pair of boxes, the intersection, and combinators
+    // that users call as methods.
     let others = ["Expression", "Landmark", "q_intersection", "Fixpoint", "OnAxes", "Then", "Union"];
     for name in shown.flat_map(|names| names.trim_matches(['{', '}']).split(", ")) {
         assert!(others.contains(&name) || page.contains(&format!("| `{name}` |")), "{name}");

@@ -8,8 +8,8 @@ use sim::{
     judge::figures::Figures,
 };
 
-/// Figures of a run in which method `tiles` halved x twice and the heading `tiles_heading` times, and `walls` halved y once and the heading three
-/// times.
+/// Figures of a run in which the method `tiles` halved the width of the box in x twice and that of the heading `tiles_heading` times, and the method
+/// `walls` halved y once and the heading three times.
 fn outcome(seed: u64, tiles_heading: f64) -> Outcome {
     let method = |readings: u32, constraints: u32, halved: [f64; 3]| {
         let [x, y, heading] = halved;
@@ -29,10 +29,11 @@ fn a_methods_share_is_of_all_that_was_halved_in_all_runs() {
     let runs = [outcome(0, 1.0), outcome(1, 5.0)];
     let (tiles, walls) = (line(&runs, "tiles").unwrap().figures, line(&runs, "walls").unwrap().figures);
     assert_eq!((tiles["method.readings"], tiles["method.constraints"]), (20.0, 10.0));
-    // In both runs `tiles` halved x twice and `walls` halved y once.
+    // In each of the two runs `tiles` halved the box's width in x twice and `walls` halved that in y once: two thirds of all halvings of the position
+    // are due to `tiles`.
     let third = 1.0 / 3.0;
     assert_eq!((tiles["method.position_share"], walls["method.position_share"]), (2.0 * third, third));
-    // The heading was halved 1 + 5 times by `tiles`, of 6 + 2 · 3 halvings in all.
+    // In the two runs together `tiles` halved the heading's width 1 + 5 times, of 6 + 2 · 3 halvings by both methods.
     assert_eq!((tiles["method.heading_share"], walls["method.heading_share"]), (0.5, 0.5));
 }
 
@@ -54,7 +55,8 @@ fn counts_add_up_squares_pool_and_the_worst_stays_the_worst() {
     let pooled = line(&runs, "2 seeds").unwrap().figures;
     assert_eq!(pooled["metrics.collisions"], 7.0);
     assert_eq!((pooled["metrics.clearance_least_m"], pooled["metrics.path_greatest_m"]), (0.2, 0.4));
-    // The pooled error is √((3² + 4²)/2); the pooled thirds are 5, 0 and that error, of which 5 is the greatest.
+    // The error pooled over both runs is √((3² + 4²)/2). Pooled likewise, the errors in the three thirds of the runs are 5, 0 and that error, of
+    // which 5 is the greatest.
     assert!((pooled["error.x_m.rmse"] - 12.5_f64.sqrt()).abs() < 1e-12);
     assert!((pooled["error.x_m.rmse_worst_third"] - 5.0).abs() < 1e-12, "{pooled:?}");
 }
@@ -68,7 +70,7 @@ fn goals_are_a_share_of_errands_and_a_hundred_means_all() {
     };
     assert_eq!((of(4.0, 3.0), of(4.0, 4.0), of(0.0, 0.0)), ("75.0".to_owned(), "100".to_owned(), String::new()));
     assert_eq!(goals.of(&Figures::new()), "");
-    // A share of 99.996 % must not be shown as all of them.
+    // A share of 24 999 of 25 000 goals reached, 99.996 %, must not be printed as 100, which means all of them.
     assert_eq!(of(25_000.0, 24_999.0), "99.99");
 }
 

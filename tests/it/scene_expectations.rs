@@ -34,7 +34,7 @@ fn a_missed_expectation_names_figure_value_and_limit() {
 
 #[test]
 fn the_contained_share_is_one_only_when_every_check_is_contained() {
-    // Of 200 checks 199 are contained: a share of 0.995.
+    // In the summary of this test, the box contains the true pose in 199 of 200 checks: a share of 0.995.
     assert_eq!(missed("containment.contained_share_min = 0.995", &summary()), Vec::<String>::new());
     assert_eq!(missed("containment.contained_share_min = 1", &summary()).len(), 1);
 }

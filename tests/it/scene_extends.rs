@@ -292,7 +292,8 @@ fn the_schema_knows_the_key_and_asks_for_nothing_that_may_stand_in_another_file(
     for table in ["", "/$defs/Room", "/$defs/Start", "/$defs/Route", "/$defs/Spread"] {
         assert!(schema.pointer(table).unwrap().get("required").is_none(), "{table}");
     }
-    // Items of lists must be complete, because lists of two files are never merged.
+    // A scene file that extends another one may leave out keys, but not within list items such as waypoints: lists of two files are never merged, so
+    // that each item must be complete.
     for item in ["/$defs/Waypoint", "/$defs/Marker", "/$defs/Region"] {
         assert!(schema.pointer(item).unwrap().get("required").is_some(), "{item}");
     }

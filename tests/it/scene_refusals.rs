@@ -88,7 +88,7 @@ fn a_waypoint_outside_the_room_is_refused() {
 
 #[test]
 fn a_start_that_may_be_drawn_into_a_wall_is_refused() {
-    // The start must be 0.25 m away from a wall for the body, and 0.4 m more for the start's tolerance.
+    // The robot's start must be 0.25 m away from each wall for its body, and 0.4 m more, because the start is drawn at random within that tolerance.
     let scene = edited("y_m = 0.6", "y_m = 0.6\ntolerance_m = 0.4");
     assert_refused("start", scene, &["`start.x_m = 0.6`", "from 0.65 to 2.35", "drawn within 0.4 m"]);
 }
@@ -373,7 +373,8 @@ fn what_hangs_in_the_air_or_above_the_ceiling_is_refused() {
 
 #[test]
 fn doors_pictures_and_windows_on_walls_that_another_room_leaves_out_are_refused() {
-    // A further room within the room of 3 m by 2 m, away from the walls of that room.
+    // A further room lies within the room of 3 m by 2 m, away from its walls. Where rooms overlap there is no wall between them, so that doors,
+    // pictures and windows there must be refused.
     let inner = "[[building.room]]\nx_m = 0.6\ny_m = 0.6\nwidth_m = 1.8\ndepth_m = 0.8\n";
     let door = "[[building.door]]\nfrom_m = [1.0, 0.6]\nto_m = [1.8, 0.6]\n";
     let picture = "[[building.picture]]\nfrom_m = [1.0, 0.6]\nto_m = [1.8, 0.6]\n";
@@ -387,7 +388,7 @@ fn doors_pictures_and_windows_on_walls_that_another_room_leaves_out_are_refused(
     ];
     for (index, (keys, parts)) in cases.iter().enumerate() {
         assert_refused(&format!("room_within_{index}"), blind_scene(10.0, &format!("{inner}{keys}")), parts);
-        // The same door, picture or window on an existing wall is accepted.
+        // The same door, picture or window is accepted when it is moved to y = 0, where the room has a wall.
         let keys = keys.replace("0.6", "0.0");
         Scene::parse(&blind_scene(10.0, &keys.replace("open = true", "")), "wall.toml")
             .unwrap_or_else(|error| panic!("failed to {error}"));
@@ -451,7 +452,8 @@ fn things_in_impossible_places_are_refused() {
     for (index, (more, parts)) in cases.into_iter().enumerate() {
         assert_refused(&format!("impossible_things_{index}"), blind_scene(10.0, more), &parts);
     }
-    // A person who starts as far from the robot's start as both radii, and walks through the start later on, is accepted.
+    // A person is accepted who starts as far from the robot's start as the radii of both add up to, 0.5 m, even if the person walks through the
+    // robot's start later on.
     let beside = blind_scene(10.0, "[[person]]\nwaypoints_m = [[1.1, 0.6], [0.6, 0.6]]\n");
     Scene::parse(&beside, "beside.toml").unwrap_or_else(|error| panic!("failed to {error}"));
 }
@@ -577,12 +579,12 @@ fn exposures_and_rows_that_take_longer_than_a_period_are_refused() {
             "[robot.forward_camera]\nperiod_s = 0.05\nsensor.longest_exposure_s = 0.06",
             ["`robot.forward_camera.sensor.longest_exposure_s = 0.06`", "`period_s`, expected at most 0.05"],
         ),
-        // The longest exposure is that of the sensor's preset.
+        // This scene states no longest exposure, so that the message names that of the sensor's preset.
         (
             "[robot.forward_camera]\nperiod_s = 0.02",
             ["`robot.forward_camera.sensor.longest_exposure_s", "0.033 s is longer"],
         ),
-        // Exposure and readout take 0.02 s and 479 rows of 0.2 ms.
+        // The ceiling camera's exposure of up to 0.02 s and the readout of 479 further rows, 0.2 ms each, take longer together than its period.
         (
             "[robot.ceiling_camera]\nlens.row_time_s = 0.0002",
             ["`robot.ceiling_camera.lens.row_time_s = 0.0002`", "480 rows after an exposure of up to 0.02 s"],

@@ -6,7 +6,7 @@ use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading,
 
 use crate::range_landmarks_setup::{robot, says};
 
-/// A stand-in for a method: it claims x = 0 to within a centimetre.
+/// A stand-in for a localization method: it claims that x is 0 to within a centimetre, at every reading.
 struct AtZero;
 
 impl Method for AtZero {
@@ -66,7 +66,8 @@ fn a_reading_long_after_the_last_slot_is_told_from_it_by_the_wheels() {
     for [from_s, to_s] in [[0.0, 8.0], [8.01, 12.0], [12.01, 21.9]] {
         rest(&mut localizer, [from_s, to_s]);
         let posterior = look(&mut localizer, to_s - 0.05, to_s);
-        // The pose may have moved by the slip of two windows of a robot at rest, but not as far as the robot could have driven in that time.
+        // The pose may have moved by the slip that is declared for a robot at rest over two windows (the time for which slip is bounded), but by far
+        // less than the robot could have driven since the last stored pose.
         assert!(posterior.hull()[1].width() < 1.0 && posterior.hull()[2].width() < 1.0, "{posterior:?}");
     }
 }
@@ -99,7 +100,8 @@ fn a_reading_older_than_stamps_are_remembered_is_refused_however_old_the_last_sl
 fn a_robot_that_may_be_anywhere_still_has_turned_as_often_as_was_last_known() {
     let headings_rad = [0.0, 20.0, -31.0];
     for heading_rad in headings_rad {
-        // The start is said to be inside a wall, so that no pose is left from the first step on.
+        // The localizer is told that the robot starts inside a wall, so that no pose is possible from the first step on, and any pose must then be
+        // assumed to be possible.
         let start = PoseBox::from([Interval::point(9.0), Interval::ZERO, Interval::centred(heading_rad, 0.05)]);
         let mut localizer = Localizer::new(room(), robot(0, 1), Vec::new(), start);
         rest(&mut localizer, [0.0, 1.0]);

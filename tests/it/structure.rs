@@ -135,7 +135,8 @@ fn bounds_are_named_by_their_table_and_nowhere_else() {
             if path.ends_with("localizer/src/bounds.rs") {
                 return;
             }
-            // A stream of random numbers may have the name of the bound that its draws keep.
+            // The name of a bound must not occur as text in the sources. Calls of `stream` are exempt: a stream of random numbers may have the name
+            // of the bound that limits its numbers.
             for line in code(text).lines().filter(|line| !line.contains("stream(")) {
                 let named = bounds::ALL.iter().find(|bound| line.contains(&format!("\"{}\"", bound.name)));
                 assert_eq!(named, None, "{}: {line}", path.display());

@@ -70,7 +70,8 @@ fn a_point_is_judged_by_its_error_and_by_nothing_that_is_of_boxes() {
         assert_eq!(summary[of_boxes], Value::Null, "{of_boxes}");
     }
     assert!(verdict.judgements.is_empty() && !verdict.metrics.contains_key("recovering_share"));
-    // The run's own odometry baseline begins at the middle of the same start box: other code adds up the same readings.
+    // For comparison: the odometry that every run computes as a baseline begins at the middle of the same start box. It is other code that adds up
+    // the same wheel readings.
     let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
     for (ours, theirs) in [
         (verdict.error.position_m.max, odometry.position_m.max),
@@ -114,7 +115,8 @@ fn a_run_again_with_a_bound_told_wider_starts_in_the_box_that_follows_from_it() 
             Answer::Point(self.0.pose)
         }
     }
-    // The stamps of the base's clock may be off by 20 ms, in which the robot gathers speed: the start is known to its tolerance and a·ε²/2.
+    // The stamps of the mobile base's clock may be off by ε = 20 ms, in which the robot gathers speed with up to the declared acceleration a: the
+    // start position is known to its tolerance and a·ε²/2.
     let scene = Scene {
         bounds: Bounds { reach_acceleration_m_per_s2: 1.0, ..Bounds::default() },
         ..scene("[robot.delivery]\nstamp_tolerance_s = 0.02\n")
@@ -131,7 +133,8 @@ fn a_run_again_with_a_bound_told_wider_starts_in_the_box_that_follows_from_it() 
     };
     let asked = Counterfactual { changes: vec![told], until_s: Some(0.1), ..Counterfactual::default() };
     run_otherwise(&scene, &record, &asked, &subject_of, None, &mut |_| {}).unwrap();
-    // When the localizer is given 3 m/s² in place of 1 m/s², the start box is wider by twice ½·(3 − 1) m/s²·(0.02 s)².
+    // In the replay the localizer is given an acceleration limit of 3 m/s² in place of 1 m/s², so that its start box is wider by twice ½·(3 − 1)
+    // m/s²·(0.02 s)².
     assert!((widths_m.get() - declared_m - 0.0008).abs() < 1e-6, "{} after {declared_m}", widths_m.get());
 }
 

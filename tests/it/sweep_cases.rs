@@ -12,7 +12,8 @@ use sim::campaign::cases::from_csv;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
-/// Text of a scene file for a floor with a carpet, and for the expectation that no check is unsound.
+/// Text of a scene file: a floor with a carpet, and the expectation that the judge calls no check unsound (a true pose outside of the box without an
+/// excuse).
 const CARPET: &str = "[floor]\nfriction = 0.8\n[[floor.region]]\nname = \"carpet\"\nx_m = [1.0, 2.0]\ny_m = [0.2, 1.8]\n\
                       friction = 0.5\n[expect]\nunsound = 0\n";
 
@@ -80,7 +81,7 @@ fn a_row_holds_the_figures_of_the_same_run_alone() {
     let text = fs::read_to_string(folder.join("renders/scene/4/summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&text).unwrap();
     let columns = columns(&folder.join("out/results.csv"));
-    // The row of the second carpet friction, the second floor friction and the second seed.
+    // Row of the results for the second carpet friction, the second floor friction and the second seed, which was also run alone.
     let row = 7;
     assert_eq!(columns["digest.estimates"][row], summary["digest"]["estimates"].as_str().unwrap());
     let number = |name: &str| columns[name][row].parse::<f64>().unwrap();
@@ -97,7 +98,7 @@ fn a_setting_reaches_the_world() {
     assert_eq!(outcome(&mut wherein(&folder, &slow)).0, 0);
     let distance_m = &columns(&folder.join("out/results.csv"))["metrics.distance_m"];
     let [slow_m, fast_m] = [0, 1].map(|row| distance_m[row].parse::<f64>().unwrap());
-    // The robot drives for 2 s at no more than its greatest speed, less what starting and turning cost.
+    // In 2 s the robot drives at most as far as its greatest speed of 0.05 or 0.2 m/s allows, less what starting and turning cost.
     assert!(slow_m < 0.1 && 0.1 < fast_m && fast_m < 0.4, "{slow_m} {fast_m}");
 }
 
@@ -159,7 +160,8 @@ fn what_is_recorded_is_not_run_again_unless_it_is_damaged() {
     let mut cases: Vec<PathBuf> =
         fs::read_dir(folder.join("out/cases")).unwrap().map(|case| case.unwrap().path()).collect();
     cases.sort();
-    // Four recorded cases are damaged: a digit is changed, a file is cut short, a file is removed, a folder is removed.
+    // Four cases of the recorded sweep are damaged: a digit is changed, a file is cut short, a file is removed, a folder is removed. Only these must
+    // be run again.
     let summary = fs::read_to_string(cases[0].join("summary.json")).unwrap();
     fs::write(cases[0].join("summary.json"), summary.replacen("\"checks\": 51", "\"checks\": 61", 1)).unwrap();
     fs::write(cases[1].join("case.json"), "{").unwrap();
@@ -220,7 +222,7 @@ fn merge_names_every_missing_case_and_ends_with_code_2() {
     let junit = fs::read_to_string(folder.join("junit.xml")).unwrap();
     assert_eq!(junit.matches("<error message=\"missing: the case has not run\"").count(), 6, "{junit}");
     assert!(junit.contains("tests=\"12\"") && junit.contains("errors=\"6\""), "{junit}");
-    // The missing cases 1, 3, 5, …, 11, counted from 0, are the second seed of every combination.
+    // The merged sweep lacks its cases 1, 3, 5, …, 11, counted from 0: those with the second seed, for every combination of the two frictions.
     let missing: Vec<&str> = stdout.lines().filter_map(|line| line.strip_prefix("MISSING ")).collect();
     assert_eq!(missing.len(), 6, "{stdout}");
     assert_eq!(missing[1], "floor.region.carpet.friction=0.2 floor.friction=0.8 seed 4");

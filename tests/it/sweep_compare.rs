@@ -75,7 +75,8 @@ fn a_bound_five_percent_too_tight_is_found_to_lose_the_truth() {
     let comparison = compare(&Side::load(&sound).unwrap(), &Side::load(&tight).unwrap(), 0.99);
     assert_eq!(finding(&comparison, "contained"), Finding::Worse);
     assert_eq!(finding(&comparison, "width in x"), Finding::Better, "it looks better where it must not count");
-    // With errors in the corner the robot's start is at the edge of its box, so that every seed shows the loss.
+    // The simulated errors are as great as their bounds allow, so that the robot starts at the edge of its start box: a box that is 5 % too tight
+    // loses the true pose with every seed.
     assert_eq!(comparison.lost.len(), 10);
     let (code, stdout, _) = outcome(&mut wherein(&folder, &["compare", "sound", "tight"]));
     assert_eq!(code, 1, "{stdout}");
@@ -100,7 +101,7 @@ fn identical_versions_are_not_distinguishable_in_twenty_of_twenty_trials() {
     }
 }
 
-/// Results with one case for each seed, in which all figures are 0.5 plus a tenth of the noise.
+/// Results of a sweep with one case for each seed; every figure of a case is 0.5 plus a tenth of a random number from `noise`.
 fn noisy(noise: &mut dyn FnMut() -> f64, seeds: u64) -> Side {
     let figures = "containment.contained_share,error.position_m.mean,error.heading_rad.rmse,\
                    width.x_m.mean,width.y_m.mean,width.heading_rad.mean,availability";
@@ -127,7 +128,8 @@ fn chance_is_taken_for_a_difference_no_more_often_than_the_confidence_allows() {
         let comparison = compare(&noisy(&mut noise, 6), &noisy(&mut noise, 6), 0.9);
         wrong += usize::from(comparison.lines.iter().any(|line| line.finding != Finding::NotDistinguishable));
     }
-    // With a confidence of 90 %, at most 100 wrong findings are allowed; three standard deviations of chance are 28 more.
+    // Both results contain nothing but noise. With a confidence of 90 %, a difference may be reported in at most 100 of the 1000 trials; three
+    // standard deviations of chance are 28 more.
     assert!(wrong <= 128, "{wrong} of {trials}");
     assert!(wrong >= 10, "{wrong} of {trials}: intervals so wide say nothing");
 }
@@ -148,7 +150,8 @@ fn settings_that_share_a_seed_are_one_witness() {
     // counted as independent, the finding would have been certain.
     assert_eq!(finding(&comparison, "width in x"), Finding::NotDistinguishable);
     let half_width_m = 0.5 * (comparison.lines[0].difference[1] - comparison.lines[0].difference[0]);
-    // The quantile is t(1 − 0.01/14, 1) = tan(π (1/2 − 0.01/14)), because the t distribution with one degree of freedom is Cauchy's.
+    // The expected half-width of the interval uses the quantile t(1 − 0.01/14, 1) of a confidence of 99 % shared by seven figures and two sides; it
+    // is tan(π (1/2 − 0.01/14)), because the t distribution with one degree of freedom is Cauchy's.
     let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 14.0)).tan();
     assert!((half_width_m / expected_m - 1.0).abs() < 1e-6, "{half_width_m} {expected_m}");
 }
@@ -193,7 +196,7 @@ fn results_without_a_common_case_cannot_be_compared() {
     assert!(stderr.starts_with("wherein: failed to compare one and two: no case ran in both"), "{stderr}");
 }
 
-/// Results of ten seeds, of which those from `from` on have the figures `changed`.
+/// Results of a sweep over ten seeds, in which the seeds from `from` on have the figures `changed`, and all others those of a run without failures.
 fn table(from: u64, changed: &str) -> Side {
     let mut text = "scene,seed,status,passed,containment.contained_share,containment.unsound,containment.perception,\
                     containment.bound_broken,width.x_m.mean,width.y_m.mean\n"
@@ -207,7 +210,7 @@ fn table(from: u64, changed: &str) -> Side {
 
 #[test]
 fn one_case_that_breaks_a_promise_is_worse_whatever_the_means_say() {
-    // The first side has a fault itself: its last seed breaks a bound at some steps.
+    // The results that are compared against have a failure themselves: in their last seed a bound is broken at some steps.
     let first = table(9, "true,0.9,0,0,100,0.01,0.01");
     assert!(!compare(&first, &first, 0.99).is_worse());
     let unsound = compare(&first, &table(9, "true,0.9,100,0,0,0.01,0.01"), 0.99);

@@ -135,7 +135,7 @@ fn the_example_sweep_is_valid() {
     assert_eq!((variations.len(), sweep.seeds), (9, 0..5));
 }
 
-/// The first call of the recipe `docs/ci/sweep.sh` makes the results that its second call uses as a baseline.
+/// The shell recipe `docs/ci/sweep.sh` is called twice: the first call makes the results with which the second one compares its own.
 #[cfg(unix)]
 #[test]
 fn the_shell_recipe_ends_with_the_gravest_code() {
@@ -226,8 +226,8 @@ fn frames_of_failures_are_left_by_failed_cases_alone() {
     for row in rows(&folder) {
         let names = fs::read_dir(folder.join("out/cases").join(&row["case"])).unwrap();
         let pictures = names.filter(|name| name.as_ref().unwrap().path().extension().is_some_and(|kind| kind == "png"));
-        // The truth was never outside of the boxes, so that the frames of a failed case are those of the image with the widest box: the image and
-        // its explanation.
+        // The true pose was never outside of the boxes. The frames that a failed case leaves are then those of the image at which the box was widest:
+        // the image and its explanation, two files.
         assert_eq!(pictures.count(), if row["passed"] == "true" { 0 } else { 2 });
     }
     assert!(read(&folder, "out/report.html").contains("data:image/jpeg;base64,"));

@@ -49,10 +49,12 @@ struct TrueCamera {
 impl TrueCamera {
     fn draw(rng: &mut ChaCha8Rng) -> TrueCamera {
         let mut within = |bound: f64| rng.random_range(-bound..=bound);
-        // The rows are image right, image down and the optical axis, in the robot's frame.
+        // Rows of the matrix from the robot's frame (x forward, y left, z up) to a level camera's frame: image right, image down and the optical
+        // axis.
         let level =
             Rotation3::from_matrix_unchecked(nalgebra::Matrix3::new(0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0));
-        // A counter-clockwise rotation about robot left would make the optical axis dip, so that tilting up is clockwise.
+        // The robot's y axis points to its left. A positive (counter-clockwise) rotation about it would make the camera's optical axis dip, so that
+        // tilting the camera up is a negative rotation.
         let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), -TILT_UP_RAD);
         let (axis, yaw) = (within(std::f64::consts::PI), within(YAW_ERROR_RAD));
         let lean = Rotation3::from_scaled_axis(Vector3::new(axis.cos(), axis.sin(), 0.0) * within(TILT_ERROR_RAD));
@@ -67,7 +69,7 @@ impl TrueCamera {
 
     fn pixel(&self, place: Vector3<f64>) -> Option<[f64; 2]> {
         let seen = self.camera_from_robot * place;
-        // Brown and Conrady's distortion formula, in powers of the distance from the axis.
+        // The lens bends rays by Brown and Conrady's distortion formula, in powers of the ray's distance from the optical axis.
         let ([k1, k2, p1, p2, k3], [x, y]) = (self.distortion, [seen.x / seen.z, seen.y / seen.z]);
         let r = x.hypot(y);
         let radial = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
@@ -81,7 +83,8 @@ impl TrueCamera {
         inside.then_some(pixel)
     }
 
-    /// Image of an edge along `direction_rad` of the world, seen by a robot with this heading; its ends are shifted by up to the edge's bound.
+    /// Image of a level edge that runs along `direction_rad` in the world, seen by a robot with the heading `heading_rad`; the edge's ends are
+    /// shifted at random by up to their bound.
     fn edge(&self, direction_rad: f64, heading_rad: f64, rng: &mut ChaCha8Rng) -> EdgeLine {
         loop {
             let azimuth = direction_rad - heading_rad;
@@ -111,10 +114,12 @@ fn union(heading_rad: f64, radius_rad: f64) -> PoseUnion {
     PoseUnion::single(PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(heading_rad, radius_rad)]))
 }
 
-/// Number of images of the same edges that make a heading fix; they are too few for the rule on spoilt images to matter.
+/// Number of images of the same edges that make a heading fix. The method also limits how many of its last images may have any wrong edge at all;
+/// twelve images are too few for that limit to matter.
 const FIX_IMAGES: usize = 12;
 
-/// Headings that are left after `FIX_IMAGES` images of the same edges, while the robot stands still.
+/// Headings that remain possible after `FIX_IMAGES` images that show the same edges, while the robot stands still; `None` if the method gives no
+/// constraint.
 fn fixed(method: &mut WallDirections, edges: &[EdgeLine], prior: &PoseUnion) -> Option<Vec<Interval>> {
     let mut left = None;
     for _ in 0..FIX_IMAGES {
@@ -149,8 +154,8 @@ fn walls_of_two_directions_keep_the_true_heading_with_as_many_edges_wrong_as_dec
             .collect();
         let prior = union(heading_rad + rng.random_range(-0.15..0.15), 0.17);
         let mut walls = method(&directions, false);
-        // Among the edges that the method uses, wrong ones may be more than declared although they are not among all edges; such rooms are
-        // skipped. The method holds this image in addition to the later ones.
+        // The method uses only a part of the edges, of which more may be wrong than its declared share even where that share of all edges is kept;
+        // such rooms are skipped. This image is held and counted by the method in addition to the `FIX_IMAGES` later ones.
         let used = walls.constraint(0.0, &edges, &prior).map_or(Vec::new(), |constraint| constraint.claims);
         let is_wrong = |claim: &&Claim| {
             let Claim::WallLine { ends_px, .. } = claim else { return false };
@@ -178,10 +183,11 @@ fn any_quarter_turn_of_the_prior_is_kept_and_none_is_gated() {
     let truth = TrueCamera::draw(&mut rng);
     let heading_rad = 0.7;
     let edges: Vec<EdgeLine> = (0..6).map(|_| truth.edge(0.0, heading_rad, &mut rng)).collect();
-    // The prior is 40° off: beyond the gate of 20° in the paper, and across the paper's boundary at 45°.
+    // The known heading (prior) is 40° off: farther than the 20° within which paper 2 accepts headings, and on the other side of that paper's
+    // boundary between quarter turns, at 45°.
     let headings = fixed(&mut method(&[0.0], false), &edges, &union(heading_rad + 0.7, 0.75)).unwrap();
     assert!(holds(&headings, heading_rad), "{headings:?}");
-    // A prior a little wider than half a turn leaves three headings, a quarter turn apart.
+    // Walls repeat every quarter turn, so that a prior heading known to a little more than half a turn leaves three possible headings.
     let headings = fixed(&mut method(&[0.0], false), &edges, &union(heading_rad, 1.6)).unwrap();
     assert!(holds(&headings, heading_rad) && headings.len() >= 3, "{headings:?}");
 }
@@ -191,7 +197,7 @@ fn a_sixth_of_all_edges_and_five_may_be_wrong_and_no_more() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let truth = TrueCamera::draw(&mut rng);
     let good: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
-    // The wrong edges are seen as if the robot were turned by another 8.6°.
+    // Wrong edges for this test: they appear as edges of the wall would if the robot were turned by another 8.6°.
     let bad: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.35, &mut rng)).collect();
     let prior = union(0.2, 0.3);
     let claimed = |edges: &[EdgeLine]| method(&[0.0], false).constraint(0.0, edges, &prior).unwrap().claims.len();
@@ -205,7 +211,8 @@ fn a_sixth_of_all_edges_and_five_may_be_wrong_and_no_more() {
         let (n_wrong, n_right) = (n_bad * claimed(&bad), (n_images - n_bad) * claimed(&good));
         let branches = last.unwrap().on_pose.branches(&prior.hull());
         let is_kept = branches.iter().any(|branch| branch[2].contains(0.2));
-        // By hand: of N edges that are held, N/6 + 5 may be wrong.
+        // By hand: of all N edges of the images that the method holds, N/6 + 5 may be wrong; the true heading must be kept just as long as that is
+        // so.
         assert_eq!(is_kept, n_wrong <= (n_wrong + n_right) / 6 + 5, "{n_wrong} wrong edges and {n_right} right ones");
     }
 }
@@ -213,8 +220,8 @@ fn a_sixth_of_all_edges_and_five_may_be_wrong_and_no_more() {
 #[test]
 fn each_edge_of_each_image_counts_once() {
     let truth = leaning([0.0; 2]);
-    // Six images of the four edges of a wall, some of them seen as if the robot were turned by another 4.6°. By hand: of 24 edges, 24/6 + 5 may
-    // be wrong.
+    // Six images show the four edges of a wall. Some of these edges are wrong: they appear as if the robot were turned by another 4.6°. By hand: of
+    // 24 edges, 24/6 + 5 may be wrong.
     let image = |n_right: usize| -> Vec<EdgeLine> {
         let seen_at = |idx: usize| if idx < n_right { 0.0 } else { 0.08 };
         let rails = [0.8, 1.1, 1.4, 1.7].into_iter().enumerate();
@@ -234,8 +241,9 @@ fn each_edge_of_each_image_counts_once() {
 #[test]
 fn of_twenty_images_six_have_no_wrong_edge() {
     let truth = leaning([0.0; 2]);
-    // Six edges of a wall, of which the last is in some images seen as if the robot were turned by another 4.6°: far fewer wrong edges than 120/6
-    // + 5.
+    // The images show six edges of a wall, of which the last one is wrong in some of the images (spoilt images): it appears as if the robot were
+    // turned by another 4.6°. The wrong edges are far fewer than the 120/6 + 5 allowed ones, so that only the allowed number of spoilt images
+    // matters.
     let image = |is_spoilt: bool| -> Vec<EdgeLine> {
         let rails = [0.8, 1.0, 1.2, 1.4, 1.6, 1.8].into_iter().enumerate();
         let seen_at = |idx: usize| if is_spoilt && idx == 5 { 0.08 } else { 0.0 };
@@ -256,8 +264,8 @@ fn of_twenty_images_six_have_no_wrong_edge() {
 #[test]
 fn more_images_in_a_row_that_refute_themselves_than_may_be_spoilt_are_a_contradiction() {
     let truth = leaning([0.0; 2]);
-    // One image shows three edges of a wall, each as if the robot had another heading; the other shows three edges that agree. Of three edges one
-    // may be wrong, and of twenty images 14 may have more wrong ones.
+    // One kind of image shows three edges of a wall, each as if the robot had another heading; the other kind shows three edges that agree. Of three
+    // edges one may be wrong, and 14 of twenty images may have more wrong edges than that: the 15th must be reported as a contradiction.
     let image = |headings_rad: [f64; 3]| -> Vec<EdgeLine> {
         let rails = [0.8, 1.2, 1.6].into_iter().zip(headings_rad);
         rails.map(|(z, heading_rad)| sharp(rail(&truth, heading_rad, [3.0, 1.3, z], [3.0, -1.3]))).collect()
@@ -271,7 +279,8 @@ fn more_images_in_a_row_that_refute_themselves_than_may_be_spoilt_are_a_contradi
     for n_refuted in 1..=15 {
         let told = walls.constraint(0.0, &refuted, &prior);
         assert_eq!(told.is_some(), n_refuted == 15, "{n_refuted}");
-        // The constraint that reports the contradiction makes no claims, relies on no bounds and decides nothing.
+        // The method returns a constraint only to report the contradiction: it makes no claims, relies on no declared bounds, and is of the kind that
+        // cannot end a doubt.
         assert!(told.is_none_or(|told| told.claims.is_empty() && !told.decides && told.relies_on.is_empty()));
         assert_eq!(walls.take_contradiction(), n_refuted == 15, "{n_refuted}");
     }
@@ -287,7 +296,8 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
         let mut walls = walls;
         walls.constraint(0.0, &edges, &union(0.0, 0.05)).unwrap().claims.len()
     };
-    // At 2 m, with a focal length of 417 px, a joint of 0.4 m takes 83 px and one of 1 m takes 209 px.
+    // A joint between floor tiles, seen as an edge 2 m ahead with a focal length of 417 px: 0.4 m take 83 px, too short to be used, and 1 m takes 209
+    // px.
     assert_eq!(n_claims(on_a_body_that_leans(0.001), 0.5), 4);
     assert_eq!(n_claims(on_a_body_that_leans(0.001), 0.2), 3);
     let (body, reach) = (
@@ -300,7 +310,8 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
 #[test]
 fn a_level_edge_that_runs_straight_ahead_is_no_upright_one() {
     let truth = leaning([0.0; 2]);
-    // The edges run along world x, 5 cm to the left, on the ceiling and on the floor: the plane of such an edge and the eye is almost upright.
+    // The edges run along world x, 5 cm to the left of the camera, on the ceiling and on the floor. The plane through such an edge and the eye is
+    // almost upright, so that the edge looks like an upright one.
     let straight = |z: f64| sharp(rail(&truth, 0.0, [1.9, 0.05, z], [4.0, 0.05]));
     let edges = [wall(&truth, &[1.2, 1.5, 1.8]), vec![straight(1.0), straight(-0.4)]].concat();
     let claims = on_a_body_that_leans(0.03).constraint(0.0, &edges, &union(0.0, 0.05)).unwrap().claims;
@@ -432,8 +443,8 @@ fn upright_edges_tell_a_lean() {
     assert!(with_posts < 0.5 * alone, "{with_posts} of {alone}");
 }
 
-/// Total width of the headings on which all edges of one image agree, when none of them is wrong, or `None` if they say nothing. Asserts that the
-/// headings contain the true one.
+/// Total width of the headings on which all edges of one image agree when none of them may be wrong; `None` if the edges give no constraint. Asserts
+/// that these headings contain the true one.
 fn heading_of_image(walls: WallDirections, edges: &[EdgeLine], heading_rad: f64, prior: &PoseUnion) -> Option<f64> {
     let none = Quotas { edge_share: 0.0, images: 0, held_share: 0.0, held_edges: 0, spoilt_images: 0 };
     let constraint = walls.with_quotas(none).constraint(0.0, edges, prior)?;
@@ -488,7 +499,8 @@ fn no_lean_of_body_and_mount_loses_the_heading_however_great() {
     for lean_deg in [0.5_f64, 1.0, 3.0, 10.0, 30.0] {
         let (lean_rad, mut n_told, mut widths) = (lean_deg.to_radians(), 0, 0.0);
         for _ in 0..600 {
-            // Half of the lean is the mount's. The heading is the direction of the body's forward axis, seen from above.
+            // Half of the robot's lean belongs to the camera's mount, half to the body. The heading is the direction of the body's forward axis, seen
+            // from above.
             let mut lean = || {
                 let about = rng.random_range(0.0..std::f64::consts::TAU);
                 Rotation3::from_scaled_axis(Vector3::new(about.cos(), about.sin(), 0.0) * 0.5 * lean_rad)
@@ -638,7 +650,7 @@ fn both_rims_of_a_board_that_hangs_askew_are_one_wrong_edge_not_two() {
     };
     assert_eq!(edges.map(|edge| claimed(&edge))[..3], [true; 3], "{:?}", constraint.claims);
     assert_eq!(usize::from(claimed(&edges[3])) + usize::from(claimed(&edges[4])), 1, "{:?}", constraint.claims);
-    // If both rims were claimed, two of five edges would be wrong, where only one is declared.
+    // If the method used both rims of the crooked board, two of five edges would be wrong, where only one is declared.
     let headings = fixed(&mut method(&[0.0], false), &edges, &union(0.0, 0.05)).unwrap();
     assert!(holds(&headings, 0.0), "{headings:?}");
 }
@@ -656,7 +668,8 @@ fn edges_a_little_askew_are_clutter_unless_hardly_any_other_is_there() {
     };
     assert_eq!(n_claims(&straight), 5);
     assert_eq!(n_claims(&[&straight[..], &askew[..2]].concat()), 5);
-    // Where all edges in view are seven degrees off, the prior may be wrong instead.
+    // Where all five edges in view are seven degrees off the known heading and none agrees with it, that heading may be wrong instead of the edges,
+    // so that the edges are used.
     assert_eq!(n_claims(&askew[..4]), 0, "four are too few");
     assert_eq!(n_claims(&askew), 5);
 }

@@ -28,9 +28,9 @@ fn cornered(more: &str) -> (Scene, RunRecord) {
 
 #[test]
 fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
-    // By hand: the distance is off by 1 %, while 1 % and 0.8 % are declared, so that at least 1 / 1.8 = 0.56 of the bounds is needed, or a little
-    // less because the floors of the slip bounds are declared too. With 0.6 of the bounds the truth is held, and 0.4 or 0.5 is the first share
-    // that loses it.
+    // By hand: the distance driven is off by 1 %, while 1 % of wheel radius and 0.8 % of slip are declared. If all declared bounds are scaled down by
+    // one factor, the box contains the true pose down to a factor of 1 / 1.8 = 0.56, or a little less because constant parts of the slip bounds are
+    // declared too. So it still contains it at 0.6, and 0.5 or 0.4 is the first factor tried that loses it.
     let (scene, record) = cornered("");
     let verdict = verdict_of(&scene, &record);
     assert_eq!(
@@ -43,7 +43,7 @@ fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
     let (factor, tightness) = (weakened.factor.unwrap(), weakened.tightness.unwrap());
     assert!([0.4, 0.5].contains(&factor) && (tightness * factor - 1.0).abs() < 1e-12, "{weakened:?}");
     assert_eq!(weakened.lost, Some(Lost::Outside));
-    // Ten times the slip is declared and no more occurs: 1 / 9 of the bounds is enough.
+    // Here ten times the slip is declared and no more occurs, so that the true pose is kept until the declared bounds are scaled down to about 1 / 9.
     let loose = Scene { bounds: Bounds { slip_ratio: 0.08, ..scene.bounds.clone() }, ..scene };
     let narrower =
         run(&loose, 5, &mut IntervalLocalizer::of(&loose), None, &RunOptions::default(), &mut |_| {}).unwrap();
@@ -57,7 +57,7 @@ fn a_run_that_loses_the_truth_anyway_is_lost_at_its_own_bounds() {
         cornered("[[event]]\nkind = \"push\"\nat_s = 1.0\ndisplacement_m = [0.0, 0.15]\nlasts_s = 0.3\n");
     let weakened = weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap();
     assert_eq!((weakened.factor, weakened.tightness), (Some(1.0), Some(1.0)));
-    // The truth is lost from the push at 1 s on, but a loss counts only in the second half of the drive of 6 s.
+    // The box misses the true pose from the push at 1 s on, but such a loss counts only in the second half of the drive of 6 s.
     assert_eq!((weakened.counted_after_s, weakened.lost_at_s), (3.0, Some(3.0)), "{weakened:?}");
 }
 

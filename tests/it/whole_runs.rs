@@ -145,7 +145,7 @@ fn the_same_seed_gives_the_same_bytes_in_any_process_on_any_number_of_threads() 
     let digest = |seed: &str, threads: &str| -> Value {
         let arguments = ["run", "short.toml", "--seed", seed, "--out", "out", "--json"];
         let mut command = wherein(&place, &arguments);
-        // Mesa's software drivers read their number of threads from this variable.
+        // Mesa's software graphics drivers read the number of threads to use from this environment variable.
         let (_, output, errors) = outcome(command.env("LP_NUM_THREADS", threads));
         let summaries: Value = serde_json::from_str(&output).unwrap_or_else(|error| panic!("{error}: {errors}"));
         summaries[0]["digest"].clone()

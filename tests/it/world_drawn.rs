@@ -36,7 +36,8 @@ fn scene_with(errors: &str, yaw_tolerance_deg: f64) -> Scene {
     }))
 }
 
-/// A drawn error divided by its tolerance; it has no sign where the tolerance bounds a distance or an angle in any direction.
+/// A drawn error divided by its tolerance. The quotient is never negative where the tolerance bounds a distance or an angle regardless of its
+/// direction.
 struct Share {
     error: String,
     value: f64,
@@ -82,7 +83,7 @@ fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
     shares
 }
 
-/// Shift of an image corner by a drawn k1 where 0 is declared, divided by the tolerance of 0.4 px.
+/// Shift of an image corner by the distortion k1 that was drawn where 0 is declared, divided by the tolerance of 0.4 px.
 fn bend(camera: &str, lens: &Lens) -> Share {
     let straight = Lens { distortion: [0.0; 5], ..lens.clone() };
     let far_px = lens.corners().into_iter().map(|ray| {
@@ -140,7 +141,7 @@ fn places(drawn: &Drawn) -> Vec<Share> {
         let off_m = (marker.centre_m[0] - x_m).hypot(marker.centre_m[1] - y_m);
         shares.push(norm(&name("place"), off_m / 0.002));
         shares.push(share(&name("rotation"), marker.rotation_rad.to_degrees() / 0.2));
-        // At the top of its tolerance of 5 mm a marker still hangs 1 mm below the ceiling of 2.6 m, so that its nominal height is 2.594 m.
+        // The test expects a nominal height of 2.594 m: at the top of its tolerance of 5 mm a marker still hangs 1 mm below the ceiling of 2.6 m.
         shares.push(share(&name("height"), (marker.height_m - (2.6 - 0.001 - 0.005)) / 0.005));
         let (sin, cos) = marker.rotation_rad.sin_cos();
         let misprint_m = |dot: &sim::place::drawn::DrawnDot| {
@@ -165,7 +166,7 @@ fn drawn_errors_fill_their_tolerance_and_never_leave_it() {
         for index in 0..draws[0].len() {
             let (error, is_norm) = (&draws[0][index].error, draws[0][index].is_norm);
             let drawn: Vec<f64> = draws.iter().map(|draw| draw[index].value).collect();
-            // The angle by which a rotation vector tips an axis is recovered to a few millionths of itself.
+            // The shares may exceed 1 by rounding only: the angle by which a rotation vector tips an axis is recovered to a few millionths of itself.
             assert!(drawn.iter().all(|share| share.abs() <= 1.0 + 1e-5), "{errors}: {error} leaves its tolerance");
             assert!(drawn.iter().any(|share| *share > 0.8), "{errors}: {error} never comes near its tolerance");
             assert!(is_norm || drawn.iter().any(|share| *share < -0.8), "{errors}: {error} is one-sided");
@@ -184,7 +185,8 @@ fn in_a_drift_everything_of_a_kind_is_off_alike() {
         assert!((one.centre_m[0] - 3.0 - (other.centre_m[0] - 5.0)).abs() < 1e-12);
         assert!((one.height_m - other.height_m).abs() < 1e-12);
         assert_eq!(drawn.place.furniture_turn_deg[0], drawn.place.furniture_turn_deg[1]);
-        // At the ends of the room, all joints of a family are off by the same distance.
+        // Where the drawn errors of floor tiles drift to one side, the tile corners at the room's ends are off by the same distance for all joints of
+        // a direction.
         let laid = drawn.place.tiles.unwrap();
         for axis in 0..2 {
             let first_m = laid.corner_offset_m[0][axis];
@@ -207,7 +209,8 @@ fn furniture_is_felt_and_seen_as_it_stands_and_mapped_as_stated() {
     }
 }
 
-/// The same room with walls whose directions are known to a tolerance, read by these methods.
+/// A room whose walls have directions known to a tolerance, with a forward camera and with these localization methods; `setup` are the keys of the
+/// method `wall_directions`.
 fn walls(methods: &[&str], setup: serde_json::Value) -> Scene {
     let door = serde_json::json!([{ "from_m": [0.0, 1.0], "to_m": [0.0, 2.0] }]);
     scene(serde_json::json!({
@@ -241,11 +244,12 @@ fn walls_turn_together_about_the_middle_of_the_room_and_furniture_stays() {
             let expected_m = if quarters.round() as i32 % 2 == 0 { 3.0 } else { 4.0 };
             assert!((away_m - expected_m).abs() < 1e-12, "seed {seed}: {away_m} m from the middle");
         }
-        // By hand, to first order: a turn to the left moves a door 2 m below and 4 m to the left of the room's middle to the right and down.
+        // By hand, to first order: the door is 2 m below and 4 m to the left of the room's middle in the plan; a turn of the walls to the left moves
+        // it to the right and down.
         let [x_m, y_m] = built.building.doors[0].from_m;
         assert!((x_m - 2.0 * off_rad).abs() < 1e-3 && (y_m - (1.0 - 4.0 * off_rad)).abs() < 1e-3, "{x_m}, {y_m}");
-        // The map that the localizer is given does not depend on the draw: it has the stated directions, and contains the room at every allowed
-        // turn.
+        // The map that the localizer is given must not depend on the turn of the walls that was drawn: it has the wall directions that the scene
+        // states, and its outline contains the room at every turn that the tolerance allows.
         let map = scene.map();
         assert!(map.wall_directions_rad[0].mid().abs() < 1e-12);
         let corners = [[0.0, 0.0], [8.0, 0.0], [0.0, 6.0], [8.0, 6.0]];
@@ -274,13 +278,15 @@ fn walls_stand_as_stated_where_nobody_reads_them_or_their_map_is_already_off() {
 
 #[test]
 fn walls_leave_the_robot_the_place_that_the_scene_gives_it() {
-    // By hand: 2 m beside the middle, a wall that turns by 1° comes 2 m · sin 1° = 35 mm nearer, while only 20 mm are free.
+    // By hand: 2 m beside the room's middle, a wall that is turned by 1° comes 2 m · sin 1° = 35 mm nearer to the robot's start, where only 20 mm are
+    // free. The start must be moved so that the robot still fits.
     let mut scene = walls(&["wall_directions"], serde_json::json!({ "tolerance_deg": 1.0 }));
     (scene.start.x_m, scene.start.y_m) = (scene.robot.body_radius_m + 0.02, 0.5 * scene.room.depth_m + 2.0);
     for seed in 0..6 {
         let drawn = Drawn::draw(&scene, seed);
         let (sin, cos) = drawn.place.walls_turn_deg.to_radians().sin_cos();
-        // The wall at x = 0 has the normal (cos, sin) and is 4 m from the middle.
+        // True distance of the robot's start from the turned wall that is nominally at x = 0: it has the normal (cos, sin) and is 4 m from the room's
+        // middle.
         let to_wall_m = 4.0 + cos * (drawn.start.x_m - 4.0) + sin * (drawn.start.y_m - 3.0);
         assert!(to_wall_m >= scene.robot.body_radius_m - 1e-9, "seed {seed}: {to_wall_m} m");
         assert!(drawn.place.walls_turn_deg != 0.0, "seed {seed}: not turned at all");

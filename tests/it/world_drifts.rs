@@ -76,7 +76,8 @@ fn stamps_latencies_and_columns_of_a_range_camera_go_as_the_errors_say() {
                 let first = noisy[0];
                 assert!(noisy.iter().all(|reading| (reading[0] - first[0]).abs() < 1e-9), "stamps on both sides");
                 assert!(noisy.windows(2).all(|pair| pair[0][1] * pair[1][1] < 0.0), "latencies at one end");
-                // Both views are off in opposite directions: the disparity is off by both errors, 0.6 px, and always to the same side.
+                // The errors of the range camera's two views have opposite signs: the disparity is off by the sum of both, 0.6 px, and always to the
+                // same side.
                 let disparity_px = |reading: &[f64; 4]| reading[2] - reading[3];
                 let off_px = disparity_px(&first) - disparity_px(&exact[0]);
                 assert!((off_px.abs() - 0.6).abs() < 0.003, "{off_px}");
@@ -125,7 +126,8 @@ fn what_pushes_one_way_keeps_to_the_band_over_spans_and_reaches_it() {
                 greatest = greatest.max((sums_deg[to] - sums_deg[from]).abs() / allowed_deg);
             }
         }
-        // The tolerance of 1e-3 is for the bias's change before the first reading, over 100 s.
+        // The sum is taken from the bias of the first reading and not from the initial bias; the tolerance of 1e-3 allows for how much the bias
+        // changed before the first reading, over 100 s.
         assert!(greatest < 1.0 + 1e-3, "{errors}, seed {seed}: {greatest} of the band");
         assert!(errors == "corner" || greatest > 0.99, "seed {seed}: only {greatest} of the band");
     }
@@ -168,8 +170,8 @@ fn a_flow_sensor_that_drifts_counts_one_way_longer_than_the_way_back() {
             let [there, back] = there_and_back(errors, seed);
             assert!((there - 20_000).abs() <= 1 && back.abs() <= 1, "{there} {back}");
         }
-        // Beside the calibration error of 0.1 %, the bound `flow.scale` of 0.3 % leaves 0.3 % − 0.1 % of the distance: 40 counts of 20 000 on the
-        // way there, and 40 more on the way back.
+        // By hand: the bound `flow.scale` of 0.3 % contains the calibration error of 0.1 %, so that the scale may drift by 0.3 % − 0.1 % of the
+        // distance: 40 counts of 20 000 on the way there, and 40 more on the way back.
         let [there, back] = there_and_back("drift", seed);
         assert!(((there - 20_000).abs() - 40).abs() <= 1 && (back.abs() - 80).abs() <= 2, "{there} {back}");
     }
@@ -206,7 +208,8 @@ fn lateness(errors: &str) -> Vec<f64> {
         }
     }
     late.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    // Readings of the last 0.1 s may not have arrived yet.
+    // Wheel readings from the last part of the simulated time are left out, because those delayed by up to 0.1 s may not have arrived before the
+    // simulation ends.
     late.into_iter().filter(|[measured_s, _]| *measured_s < 4.8).map(|[_, late_s]| late_s).collect()
 }
 

@@ -1,4 +1,5 @@
-//! The driver reaches what the route demands, and drives gently enough for the bounds that a scene declares by default.
+//! Tests of the driver, which steers the robot along its route by the estimated pose: it reaches what the route demands, and drives gently enough for
+//! the bounds that a scene declares by default.
 
 use localizer::{Estimate, PoseUnion, Status};
 use sim::{
@@ -79,7 +80,7 @@ fn a_repeated_route_goes_round_again() {
     assert!(arrivals >= 2, "passed the first waypoint {arrivals} times in 120 s");
 }
 
-/// Greatest slip and side slip over all windows up to the declared length, as shares of the declared bounds.
+/// Greatest slip and side slip of the robot over all time windows up to the declared length, each divided by the declared bound.
 fn used_shares(truths: &[Truth], drawn: &Drawn, bounds: &Bounds) -> [f64; 2] {
     let rolled_m = |from: &Truth, to: &Truth, wheel: usize| {
         drawn.base.wheel_radius_m[wheel] * (to.wheel_angle_rad[wheel] - from.wheel_angle_rad[wheel])
@@ -140,7 +141,7 @@ fn a_jumping_estimate_neither_stops_the_driver_nor_breaks_the_slip_bound() {
     let mut truths = vec![world.truth()];
     for step in 0..6000_usize {
         let mut seen = world.truth();
-        // A heading and position fix every 0.2 s moves the estimate's midpoint by up to 2 cm and 1°.
+        // The estimated pose jumps every 0.2 s by up to 2 cm and 1°, as when fixes of heading and position move the middle of the estimate's box.
         let jump = ((step / 20 * 7919) % 101) as f64 / 50.0 - 1.0;
         seen.pose.x_m += 0.02 * jump;
         seen.pose.y_m -= 0.02 * jump;

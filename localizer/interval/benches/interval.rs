@@ -9,7 +9,8 @@ fn main() {
     arithmetic();
 }
 
-/// Measures the throughput of interval operations over arrays, as contractors use them; loads and stores are part of the times.
+/// Measures the throughput of interval operations over arrays, as contractors (operators that shrink boxes by a constraint) use them; loads and
+/// stores are part of the times.
 fn arithmetic() {
     let operands: Vec<Interval> =
         (0..1024).map(|idx| Interval::centred(f64::from(idx * 7919 % 1024) * 0.01 - 5.12, 0.15)).collect();

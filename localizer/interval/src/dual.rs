@@ -37,7 +37,7 @@ impl<const K: usize> Dual<K> {
 
     fn combine(value: Interval, a: (&Self, Interval), b: (&Self, Interval)) -> Self {
         let slopes = std::array::from_fn(|k| {
-            // Many slopes are zero, because most parameters enter a computation late; products with zero are left out.
+            // Many derivatives are zero, because most parameters enter a computation late; products with a zero derivative are left out.
             match (a.0.slopes[k] == Interval::ZERO, b.0.slopes[k] == Interval::ZERO) {
                 (true, true) => Interval::ZERO,
                 (false, true) => a.0.slopes[k] * a.1,
@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn a_difference_of_what_moves_alike_is_known_by_its_slopes() {
-        // Expected by hand: (x + 1) − x is 1 whatever x is, while interval arithmetic alone gives 1 ± 2.
+        // Expected by hand: (x + 1) − x is 1 whatever x is. Interval arithmetic alone gives 1 ± 2; the derivative of the dual number, which is 0,
+        // gives 1.
         let x = Dual::<1>::parameter(0, Interval::new(-1.0, 1.0));
         let apart = (x + Dual::constant(Interval::ONE)) - x;
         assert!(apart.value.width() > 3.9);

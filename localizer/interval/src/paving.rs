@@ -37,7 +37,7 @@ impl<const N: usize> Paving<N> {
     /// Paves a set: the separator decides what it can of each box, and the rest is bisected along the widest of `axes`, until all of these axes
     /// are at most `resolution` wide.
     ///
-    /// Variables that are not in `axes` are contracted but never bisected, so the paving is one of the listed axes.
+    /// Variables that are not in `axes` are contracted but never bisected, so the boxes become small along the listed axes only.
     pub fn new(set: &impl Separator<N>, domain: IntervalBox<N>, axes: &[usize], resolution: f64) -> Self {
         let mut paving = Paving::default();
         let mut pending = vec![domain];
@@ -83,8 +83,8 @@ pub fn cover<const N: usize>(
     leaves
 }
 
-/// Covers the solutions of a contractor as [`cover`] does, but gives up after `most_boxes` contractions: boxes that are pending then count as
-/// leaves, however wide they are.
+/// Covers the solutions of a contractor as [`cover`] does, but gives up after `most_boxes` contractions: boxes that still wait to be bisected are
+/// then returned as they are, however wide.
 ///
 /// The oldest boxes are bisected first, so that the widest boxes are never left over while smaller ones are cut.
 pub fn cover_at_most<const N: usize>(

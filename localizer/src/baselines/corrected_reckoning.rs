@@ -15,7 +15,8 @@ const HELD: usize = 20;
 /// Standard deviations for the pose graph, of which the paper states none: 1 % of half a metre of travel, a quarter degree of turn by the
 /// gyroscope, and for a heading as much as the paper's vanishing points are off at 0.1 lx.
 const WEIGHTS: Weights = Weights { travel_m: 0.005, turn_rad: 0.005, heading_rad: 0.01 };
-/// Greatest delay between a picture and its arrival; dead-reckoned poses are kept for that long.
+/// Greatest delay, in seconds, from the taking of a picture to the arrival of the heading read from it; dead-reckoned poses are kept for that long,
+/// so that the pose at the picture can be found.
 const LATEST_S: f64 = 1.0;
 
 /// Dead reckoning that is corrected by headings from pictures.
@@ -27,7 +28,7 @@ pub struct CorrectedReckoning {
     steps: VecDeque<Step>,
     /// Pose at the latest picture by the pose graph, and the pose at the same picture by dead reckoning.
     latest: (Pose, Pose),
-    /// Dead-reckoned poses of the last `LATEST_S` seconds, each with its time.
+    /// Poses by dead reckoning at the times of the last second or so (`LATEST_S`), each with its time.
     way: VecDeque<(f64, Pose)>,
 }
 

@@ -16,13 +16,13 @@ use super::{GyroAtRest, SlipDecision};
 pub enum Way {
     /// The wheel encoders.
     Wheels,
-    /// The wheels or the flow sensor, by the slip decision of paper 2 (Yi, Lee and Cho 2018).
+    /// The wheels where they agree with the flow sensor, otherwise the weighted mean of both: the slip decision of paper 2 (Yi, Lee and Cho 2018).
     Decided(FlowModel, SlipDecision),
-    /// The flow sensor, which wheel slip does not affect; the wheels while the flow sensor is blind.
+    /// The flow sensor, which wheel slip does not affect; the wheels while the flow sensor is blind (sees nothing of the floor).
     Flow(FlowModel),
 }
 
-/// A pose that is carried on by sensors with their nominal calibration.
+/// A robot pose by dead reckoning: a point estimate that is carried on by the sensors' readings with their nominal calibration.
 #[derive(Clone, Debug)]
 pub struct DeadReckoning {
     pose: Pose,
@@ -35,13 +35,13 @@ pub struct DeadReckoning {
     turn_rad: f64,
     /// Totals of the flow sensor at its latest reading.
     counts: Option<[i64; 2]>,
-    /// Counts of the flow sensor that have not been used in a step.
+    /// Counts of the flow sensor since the last step of dead reckoning that used them.
     counted: [i64; 2],
     /// Motion by wheels and gyroscope since the flow sensor's latest reading.
     unseen: Unseen,
     /// Total number of periods in which the flow sensor saw nothing, at its latest reading.
     blind_periods: u64,
-    /// Whether the flow sensor was blind in a period since its counts were last used.
+    /// Whether there was a period in which the flow sensor was blind (saw nothing of the floor) since its counts were last used.
     is_blind: bool,
     /// Distance by the wheels and travel by the flow sensor, forward and left, in each of the latest steps.
     latest_m: VecDeque<(f64, [f64; 2])>,
@@ -152,8 +152,8 @@ impl DeadReckoning {
         SlipDecision { level_m, ..*decision }.travel_m(rolled_m, flow_m)
     }
 
-    /// Travel by the flow sensor, forward and left. It is zero until the flow sensor's next reading, which may cover several steps of the
-    /// wheels.
+    /// Travel of the robot by the flow sensor, forward and left, in one step of the wheels. It is zero in steps without a new reading of the flow
+    /// sensor; the step with a reading gets all travel since the reading before.
     fn seen_m(&mut self, model: &FlowModel, rolled_m: f64, turn_rad: f64) -> [f64; 2] {
         self.unseen.rolled_m += rolled_m;
         self.unseen.turn_rad += turn_rad;

@@ -3,18 +3,18 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-/// Directions of the building's walls modulo quarter turns, each the mean of its observations.
+/// Directions of the building's walls in the world frame, modulo quarter turns, each the mean of its observations.
 #[derive(Clone, Debug, Default)]
 pub struct DirectionDatabase {
-    /// Mean of a direction in the world frame, and the number of observations in that mean.
+    /// For each known wall direction the mean of its observations in the world frame, and their number.
     directions: Vec<(f64, f64)>,
 }
 
-/// A seen direction that is farther than this from all known ones counts as new; the paper states no value.
+/// A wall direction that is seen farther than this from all known ones counts as new; the paper states no value.
 const NEW_RAD: f64 = 0.17;
 
 impl DirectionDatabase {
-    /// The heading, corrected by the direction that is seen at `seen_rad` from robot forward; `None` when that direction was new.
+    /// The robot's heading, corrected by the wall direction that is seen at `seen_rad` from robot forward; `None` when that wall direction was new.
     ///
     /// Eq. (2): direction in the world = seen + heading. Eq. (3) as printed would return only the innovation; what it means is heading = mean
     /// direction − seen.

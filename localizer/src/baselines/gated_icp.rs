@@ -1,9 +1,9 @@
-//! Iterative closest point as an engineer would field it: predicted, gated, with one-to-one matches, on a map that is learnt without landmark
-//! codes.
+//! Iterative closest point as an engineer would field it: the pose is predicted by odometry, matches are gated and one-to-one, and the map of
+//! landmarks is learnt on the way, without using the codes that identify landmarks.
 
 use super::weighted_points::{LearntPoint, SQUARED_GATE, WeightedPoint, WeightedPose, weighted_fit};
 
-/// Greatest number of rounds of matching points to the map.
+/// Greatest number of rounds, in each of which points are matched to the map and the pose is fitted to the matches.
 const MOST_ROUNDS: usize = 50;
 /// A map of points that have no names, to which views are matched by iterative closest point.
 ///
@@ -17,7 +17,8 @@ pub struct GatedIcp {
 }
 
 impl GatedIcp {
-    /// The pose from which `view` is seen, where odometry predicts `predicted`. The map is learnt from that pose.
+    /// The robot's pose when it sees the points of `view`, estimated by matching them to the map, where odometry predicts the pose `predicted`. The
+    /// map is then updated with the points as seen from that pose.
     pub fn fix(&mut self, view: &[WeightedPoint], predicted: WeightedPose) -> WeightedPose {
         if self.landmarks.is_empty() {
             // The first view defines the map's frame, so the pose that it was taken from is known exactly in that frame.
@@ -44,8 +45,8 @@ impl GatedIcp {
     }
 }
 
-/// The pose, and the matches between places of the map and points of the view on which the pose is based. Where the pose is the predicted one
-/// there are no matches.
+/// The robot's pose fitted to a view, and the matches between places of the map and points of the view on which the pose is based. Where the fit
+/// fails or odometry excludes it, the pose is the predicted one, without matches.
 fn closest(
     places: &[WeightedPoint],
     view: &[WeightedPoint],
@@ -63,7 +64,7 @@ fn closest(
         let Some(found) = weighted_fit(&pairs, Some(fixed.pose)) else { return (predicted, Vec::new()) };
         fixed = found;
     }
-    // A fit that odometry excludes is based on wrong matches.
+    // A fitted pose that odometry excludes is based on wrong matches, so the predicted pose is used instead.
     if fixed.agrees_with(&predicted) { (fixed, matches) } else { (predicted, Vec::new()) }
 }
 

@@ -22,7 +22,8 @@ pub fn closest_points(map: &[[f64; 2]], view: &[[f64; 2]], start: Pose) -> Pose 
     for _ in 0..MOST_ITERATIONS {
         let pairs: Vec<_> = view.iter().map(|&b| (nearest(map, in_world(&pose, b)), b)).collect();
         let Some(next) = least_squares(&pairs) else { break };
-        // The heading is shifted by whole turns to be nearest to the one before, because headings are on the real line (not wrapped).
+        // The new heading is shifted by whole turns to be nearest to that of the previous iteration, because headings are on the real line (not
+        // wrapped).
         let turned = next.heading_rad - pose.heading_rad;
         let heading_rad = next.heading_rad - (turned / std::f64::consts::TAU).round() * std::f64::consts::TAU;
         let moved = (next.x_m - pose.x_m).hypot(next.y_m - pose.y_m).max((heading_rad - pose.heading_rad).abs());

@@ -36,7 +36,7 @@ pub use slip_decision::SlipDecision;
 pub use vertical_known::{locate_upright, vertical_known};
 pub use weighted_points::{LearntPoint, SQUARED_GATE, SQUARED_GATE_OF_POSE, WeightedPoint, WeightedPose, weighted_fit};
 
-/// Interval solvers of the planar pose from landmarks that a run's results tabulate, by name.
+/// Names of the interval solvers (of the planar pose from landmarks) whose results a run writes into a table for comparison, each with its solver.
 pub const SOLVERS: [(&str, Solver); 4] = [
     ("table_iv", Solver::TableIv),
     ("polar", Solver::Polar),

@@ -15,7 +15,7 @@ pub struct Step {
     pub travel_m: [f64; 2],
     /// Turn in the step, counter-clockwise.
     pub turn_rad: f64,
-    /// Heading of the pose after the step, where the camera measured one.
+    /// Heading of the pose after the step as the camera measured it; `None` where the camera measured no heading.
     pub heading_rad: Option<f64>,
 }
 
@@ -143,7 +143,7 @@ fn jacobian(first: Pose, poses: &[Pose], steps: &[Step], weights: &Weights) -> D
     slope
 }
 
-/// The same turn, wrapped to within half a turn of 0.
+/// Wraps a turn to within half a turn of 0.
 fn wrapped(turn_rad: f64) -> f64 {
     turn_rad - (turn_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
 }

@@ -8,13 +8,14 @@ use interval::{Interval, IntervalBox};
 
 use crate::{PoseBox, rigid_motion::Landmark};
 
-/// Passes end when no width of the pose shrinks by more than this fraction; the print says "while contraction is significant".
+/// Passes over the landmarks end when no width of the pose shrinks by more than this fraction; the paper says "while contraction is significant".
 const SIGNIFICANT: f64 = 0.01;
 
 /// Greatest number of passes.
 const MOST_PASSES: usize = 100;
 
-/// The pose as the printed Table IV contracts it; empty when the table leaves no pose at all.
+/// The pose box that is left when the forward-backward contractor of paper 3 is applied to the landmarks as its Table IV is printed; empty when the
+/// table leaves no pose at all.
 pub fn printed_table_iv(landmarks: &[Landmark], prior: &PoseBox) -> PoseBox {
     let mut places: Vec<[Interval; 2]> = landmarks.iter().map(|(a, _)| *a).collect();
     let mut pose = *prior;

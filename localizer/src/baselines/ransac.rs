@@ -61,7 +61,8 @@ pub struct RansacMap {
 }
 
 impl RansacMap {
-    /// The pose from which `view` is seen, or the predicted pose where the view does not decide on one. The map is learnt from that pose.
+    /// The robot's pose when it sees the coded landmarks of `view`, or the pose `predicted` by odometry where they do not decide on one. The map is
+    /// then updated with these landmarks as seen from that pose.
     pub fn fix(&mut self, view: &[(LandmarkId, WeightedPoint)], predicted: WeightedPose) -> WeightedPose {
         // The first view defines the map's frame, so the pose that it was taken from is known exactly in that frame.
         let is_first = self.landmarks.is_empty();
@@ -86,8 +87,8 @@ impl RansacMap {
                 } else if landmark.n_sights == 1
                     && let Some(again) = LearntPoint::new(&seen, &fixed)
                 {
-                    // One of the two sightings with this landmark's code is of another landmark. The later sighting is kept; if it is
-                    // the wrong one, the next sighting corrects that.
+                    // The only earlier sighting with this landmark's code contradicts the new one, so one of the two is a sighting of another
+                    // landmark. The new one is kept; if it is the wrong one, the next sighting corrects that.
                     *landmark = again;
                 }
             }

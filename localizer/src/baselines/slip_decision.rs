@@ -1,5 +1,5 @@
-//! The slip decision of paper 2 (Yi, Lee and Cho 2018): the encoders' travel while it agrees with the flow sensor's, and the weighted mean of
-//! both when it does not.
+//! The slip decision of paper 2 (Yi, Lee and Cho 2018): the travel of a step is that of the wheel encoders while it agrees with the flow sensor's;
+//! otherwise the wheels slip, and it is the weighted mean of both.
 
 /// Threshold and weight of the slip decision; the paper states neither.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,15 +24,15 @@ use crate::{
 
 use super::least_squares;
 
-/// Greatest root mean square distance of a marker's dots from the grid that they are read as: a centroid that is further off than the dot's own
-/// radius belongs to another dot.
+/// Greatest root mean square distance of a marker's dots from the places of its grid that they are assigned to: a centroid that is further off than
+/// the dot's own radius belongs to another dot.
 const MOST_MISFIT_M: f64 = DOT_RADIUS_M;
 /// Greatest root mean square distance of a marker's dots from where a pose puts them for the marker to agree with the pose: half of a marker's
 /// side, as two markers cannot hang nearer to each other than a whole side.
 const AGREE_M: f64 = 0.06;
 
-/// Reads every marker in the image as the paper reads one, and fits the pose to all markers that agree; `None` when no marker of the map is
-/// read.
+/// The robot's pose from an image of the ceiling: reads every marker in the image by the image processing of paper 5, and fits the pose to all
+/// markers that agree; `None` when no marker of the map is read.
 pub fn locate_upright(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> Option<Pose> {
     let camera = robot.ceiling_camera.as_ref()?;
     vertical_known(&detect_all(image, dot_radius_px(map, camera)), map, camera)
@@ -48,7 +48,7 @@ pub fn vertical_known(seen: &[PaperMarker], map: &MarkerMap, camera: &CeilingCam
         (misfit_m(&alone, marker) <= MOST_MISFIT_M).then(|| markers.iter().filter(agrees).flatten().copied().collect())
     };
     let most = markers.iter().filter_map(agreeing).fold(Vec::new(), |most, dots| {
-        // Of groups with equally many dots, the one of the marker nearest to the middle of the picture is kept, which comes first.
+        // Among groups of agreeing markers with equally many dots the first is kept; it is that of the marker nearest to the middle of the picture.
         if dots.len() > most.len() { dots } else { most }
     });
     least_squares(&most)

@@ -24,7 +24,7 @@ pub const SQUARED_GATE_OF_POSE: f64 = 16.27;
 const DEVIATION_OF_BOUND: f64 = 0.577_350_269_189_625_8;
 /// Greatest number of Gauss-Newton steps.
 const MOST_STEPS: usize = 20;
-/// Gauss-Newton steps end when one is smaller than this, in metres and radians.
+/// Gauss-Newton steps end when every component of a step is smaller than this, in metres and radians.
 const SETTLED: f64 = 1e-10;
 
 /// A point with the covariance of its position.
@@ -50,7 +50,7 @@ pub struct WeightedPose {
 pub struct LearntPoint {
     mean_m: Vector2<f64>,
     information_per_m2: Matrix2<f64>,
-    /// Covariance that the first sighting inherited from the pose that it was seen from; no later sighting reduces it.
+    /// Part of the landmark's covariance that comes from the uncertainty of the robot's pose at the first sighting; no later sighting reduces it.
     inherited_m2: Matrix2<f64>,
     /// Number of sightings of the landmark in the mean.
     pub n_sights: usize,
@@ -58,8 +58,8 @@ pub struct LearntPoint {
 
 impl WeightedPoint {
     /// A point in the robot frame with its covariance, from the box that a stereo reading claims. The box's diagonal is the error along the ray,
-    /// which is f·b/d² times the error of the disparity d, with the focal length f and the baseline b. Across the ray a column errs by as much
-    /// as the disparity does, so that the error across is baseline over range times the error along.
+    /// which is f·b/d² times the error of the disparity d, with the focal length f and the baseline b. Across the ray the point's image column errs
+    /// by as much as the disparity does, so that the error across is baseline over range times the error along.
     pub fn of_stereo(in_robot_m: [Interval; 2], baseline_m: f64) -> Self {
         let at_m = Vector2::from(in_robot_m.map(Interval::mid));
         let along_m = DEVIATION_OF_BOUND * Vector2::from(in_robot_m.map(Interval::radius)).norm();
@@ -116,7 +116,8 @@ impl WeightedPose {
         WeightedPose { pose, covariance: carry * self.covariance * carry.transpose() + grown.covariance }
     }
 
-    /// Whether this pose and another, estimated independently, may be the same.
+    /// Whether this pose and another, estimated independently, may be of the same robot at the same time: their difference is within the gate that
+    /// true differences exceed once in a thousand.
     pub fn agrees_with(&self, other: &WeightedPose) -> bool {
         let (here, there) = (self.pose.to_array(), other.pose.to_array());
         let off = Vector3::from_fn(|axis, _| here[axis] - there[axis]);

@@ -205,7 +205,8 @@ mod tests {
                 assert!((focal_px[axis] / TRUE.focal_px[axis] - 1.0).abs() < 0.001, "{found:?}");
                 assert!((centre_px[axis] - TRUE.centre_px[axis]).abs() < 0.001 * TRUE.focal_px[axis], "{found:?}");
             }
-            // Residuals are the corner noise, slightly less because 128 unknowns absorb some of it; the two axes give the factor √2.
+            // The root mean square residual is the corner noise, slightly less because the 128 unknowns absorb some of it; the two image axes give
+            // the factor √2.
             assert!((found.rms_px - 0.05 * std::f64::consts::SQRT_2).abs() < 0.005, "{found:?}");
             assert!((distortion[0] - TRUE.distortion[0]).abs() < 0.01, "{found:?}");
         }

@@ -1,12 +1,12 @@
-//! Position of a sensor on a robot, from a spin on the spot.
+//! Position of a sensor on a robot, from the sensor's positions and the robot's headings while the robot spins on the spot.
 //!
-//! The paper fits a circle to the sensor's positions, which gives the radius of its mount and not the direction (erratum I8). With the headings
-//! the problem is linear in both: as complex numbers position = centre + e^{iθ}·m, so that m = Σ c̄ d / Σ |c|² with c and d the deviations of
-//! e^{iθ} and of the position from their means over a spin.
+//! The paper fits a circle to the positions, which gives the sensor's distance from the robot's axis and not its direction (erratum I8 of paper 5).
+//! With the headings the problem is linear in centre and mount position m: as complex numbers position = centre + e^{iθ}·m, so that m = Σ c̄ d / Σ
+//! |c|² with c and d the deviations of e^{iθ} and of the position from their means over a spin.
 
 use std::f64::consts::TAU;
 
-/// World x and y of the sensor during a spin, and the robot's heading there.
+/// Sample of a spin: world x and y of the sensor, and the heading of the robot at that moment.
 pub type Stop = [f64; 3];
 
 /// Least spread of headings, as mean |c|², for which the offset is solved: a tenth of the spread over a whole turn.

@@ -1,29 +1,29 @@
-//! Accounts of readings: what a method and the localizer made of one camera reading.
+//! Accounts of readings: what a method and the localizer made of one reading of a camera, a range camera or another device.
 
 use interval::Interval;
 
 use crate::{Constraint, PoseUnion, method::Claim, quota::Quota, reading::LandmarkId};
 
-/// Account of what one method made of a camera's reading.
+/// Account of what one method and the localizer made of one reading of a camera, a range camera or another device.
 #[derive(Clone, Debug)]
 pub struct Account {
-    /// Name of the method that read the image.
+    /// Name of the method that used the reading.
     pub method: &'static str,
     /// What the method claimed to see; empty when the reading did not show the method's cue.
     pub claims: Vec<Claim>,
-    /// How many of the method's claims may be false.
+    /// Quota that says how many of the method's claims (assertions of what it saw) may be false.
     pub quota: Quota,
-    /// Segments that the method examined and rejected, `[u0, v0, u1, v1]` in pixels.
+    /// Line segments that the method examined and rejected, `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
-    /// Heading by this reading alone, without the earlier ones.
+    /// Interval for the heading by this reading alone, without the earlier ones; `None` where the reading gives none.
     pub alone_heading_rad: Option<Interval>,
-    /// Whether the reading gave a constraint on the pose.
+    /// Whether the method made a constraint on the pose from the reading.
     pub constrained: bool,
-    /// Whether the constraint left the pose union empty.
+    /// Whether the reading's constraint left no pose, which shows that an assumption failed.
     pub emptied: bool,
-    /// Pose union at the reading's stamp without this reading.
+    /// Pose union at the reading's stamp, before the reading's constraint is applied.
     pub prior: PoseUnion,
-    /// Pose union at the reading's stamp just after this reading.
+    /// Pose union at the reading's stamp, after the reading's constraint is applied.
     pub posterior: PoseUnion,
     /// Landmarks as the method knows them after this reading: code, and box of world x and y.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,

@@ -1,9 +1,10 @@
-//! A constraint on the heading at a later time, applied to the heading before the turn in between.
+//! A constraint on the heading after a turn of the robot, applied to the heading before that turn.
 
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
 
-/// The constraint `on_pose` on the heading after a turn, as a constraint on the heading before that turn; x and y stay unchanged.
+/// Constraint on the robot's heading before a turn, made from the interval `turn` of the turn's angle and the constraint `on_pose` on the
+/// heading after the turn; x and y are not narrowed.
 pub(super) struct AfterTurn {
     pub(super) turn: Interval,
     pub(super) on_pose: Box<dyn Contractor<3> + Send + Sync>,

@@ -13,8 +13,8 @@ use super::{
 };
 
 impl Localizer {
-    /// Pose union at a past stamp; `None` if the stamp is older than what is remembered, or lies before the end of the last doubt about an
-    /// assumption.
+    /// Pose union at a past stamp; `None` if the stamp is older than the localizer remembers, or lies before the end of the last doubt (the time in
+    /// which it was not known which assumption had failed).
     pub(super) fn union_at(&self, stamp_s: f64) -> Option<PoseUnion> {
         if stamp_s < self.doubts.ended_s.max(self.now_s - REMEMBER_S) {
             return None;
@@ -22,15 +22,16 @@ impl Localizer {
         self.explained_at(self.ring.before(stamp_s)?, stamp_s)
     }
 
-    /// Pose union of a stored slot carried to a later stamp, for all hypotheses that explain the readings together.
+    /// Pose union of a stored slot, carried to a later stamp by the robot's motion. It is merged from the pose unions of all hypotheses about which
+    /// assumption failed.
     pub(super) fn explained_at(&self, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
         let carried: Option<Vec<PoseUnion>> =
             (0..self.hypotheses.len()).map(|hypothesis| self.carried_of(hypothesis, slot, stamp_s)).collect();
         Some(ring::merged(&carried?))
     }
 
-    /// One hypothesis's pose union in a stored slot, carried to a later stamp. Where the remembered wheel readings do not cover the time between,
-    /// the robot's limits of speed and turn rate bound the motion.
+    /// The pose union that one hypothesis about what failed has in a stored slot, carried to a later stamp by the robot's motion. Where the
+    /// remembered wheel readings do not cover the time between, the robot's limits of speed and turn rate bound the motion.
     pub(super) fn carried_of(&self, hypothesis: usize, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
         self.wheels.latest()?;
         let doubted = !self.hypotheses[hypothesis].trusts_wheels(slot.stamp_s);
@@ -39,8 +40,8 @@ impl Localizer {
         carried.or_else(|| self.carried(union, slot.stamp_s, stamp_s, true))
     }
 
-    /// A pose union carried from one stamp to a later one by the wheels, or by the robot's limits of speed and turn rate while the wheels are
-    /// doubted; `None` if the remembered wheel readings do not cover the time between.
+    /// A pose union carried from one stamp to a later one by the motion that the wheels give, or, while the wheels are doubted after a contradiction,
+    /// by the robot's limits of speed and turn rate; `None` if the remembered wheel readings do not cover the time between.
     pub(super) fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
         let latest_s = self.wheels.latest()?.time_s;
         if doubted {
@@ -52,8 +53,8 @@ impl Localizer {
         }
         match motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s]) {
             Some(motion) => Some(self.as_fixed_before(self.inside_room(moved_union(union, &motion)), to_s)),
-            // The later stamp is far ahead of the wheel readings: these give the motion up to the last of them, and the robot's limits of speed
-            // and turn rate bound the rest.
+            // The later stamp is far ahead of the wheel readings, which give the motion up to the last of them; the robot's limits of speed and turn
+            // rate bound the motion from there on.
             None if to_s > latest_s.max(from_s) => {
                 let known = self.carried(union, from_s, latest_s.max(from_s), false)?;
                 self.carried(&known, latest_s.max(from_s), to_s, true)
@@ -62,8 +63,8 @@ impl Localizer {
         }
     }
 
-    /// Recomputes the pose union of every stored slot from `from_s` on, for every hypothesis. Returns whether an assumption is thereby shown to
-    /// have failed.
+    /// Recomputes the pose union of every stored slot from `from_s` on, for every hypothesis about what failed. Returns whether a constraint thereby
+    /// shows that an assumption failed; always `false` while an assumption is doubted already.
     pub(super) fn replay_all(&mut self, from_s: f64) -> bool {
         if self.is_doubted() {
             (0..self.hypotheses.len()).for_each(|hypothesis| {
@@ -78,8 +79,9 @@ impl Localizer {
         contradiction.is_some()
     }
 
-    /// Recomputes one hypothesis's pose union in every stored slot from `from_s` on. Returns the stamps of the constraints that contradict the
-    /// hypothesis; these constraints are left out. If the hypothesis is that nothing failed, the recomputation stops at the first of them.
+    /// Recomputes, for one hypothesis about what failed, the pose union in every stored slot from `from_s` on. Returns the stamps of the constraints
+    /// that leave no pose; they are not applied. The hypothesis that everything known is false begins anew with the poses that such a constraint
+    /// allows in the room, if it shows a marker. Under the hypothesis that nothing failed, the recomputation stops at the first of them.
     pub(super) fn replay(&mut self, hypothesis: usize, from_s: f64) -> Vec<f64> {
         let failed = self.hypotheses[hypothesis].failed;
         let mut contradicting = Vec::new();
@@ -124,7 +126,7 @@ impl Localizer {
     }
 }
 
-/// Contracts every branch of a pose union, and splits it where the contractor does.
+/// Contracts every box of a pose union by a contractor; where the contractor splits a box into several, all of them are kept.
 pub(super) fn contract_union(union: &PoseUnion, contractor: &(dyn Contractor<3> + Send + Sync)) -> PoseUnion {
     PoseUnion { branches: union.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
         .without_repeats()

@@ -1,17 +1,18 @@
 //! Doubt after an assumption failed: what may have failed, how each hypothesis explains the readings, and when one of them is believed.
 //!
 //! An empty intersection proves that some assumption is false, but not which. Until that is known, three hypotheses are followed side by side, and
-//! the estimate is the union of what they leave: if one of them is right, the true pose is in the union.
+//! the estimate is the union of the poses that each of them leaves: if one of them is right, the true pose is in the union.
 //!
 //! - *Reading*: the reading that gave the contradiction is false, because of a wrong claim or a thing that is not where the map has it. Everything
 //!   else holds.
-//! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach (the robot's physical limits of motion)
-//!   alone bounds the motion.
-//! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the
-//!   latest such reading is believed.
+//! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach (the robot's physical limits of motion) alone
+//!   bounds the motion.
+//! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the latest
+//!   such reading is believed.
 //!
-//! Each reading agrees with a hypothesis or contradicts it. Two witnesses that have nothing in common refute a hypothesis; with two that agree,
-//! and no other hypothesis that puts the robot elsewhere, a hypothesis is believed.
+//! Each reading agrees with a hypothesis or contradicts it. It counts as a witness: the witness is the marker that the reading shows, or else the
+//! reading itself, so that two readings of one misplaced marker count once. Two witnesses refute a hypothesis. A hypothesis is believed once two
+//! witnesses agree with it and no other hypothesis puts the robot elsewhere.
 
 use interval::{Interval, IntervalBox};
 
@@ -25,42 +26,44 @@ use super::{
     ring::{Slot, merged},
 };
 
-/// Time after the methods have unlearnt recent readings during which they do not unlearn again, so that it shows whether the first time was
-/// enough.
+/// Pause after the methods have unlearnt what they learnt from recent readings. In this time they do not unlearn again, so that it shows whether the
+/// first time was enough.
 const UNLEARN_PAUSE_S: f64 = 2.0;
-/// Time after the last unlearning from which a contradiction is taken to have a cause of its own. An earlier one makes methods unlearn twice as
-/// far back.
+/// Time after the methods last unlearnt recent readings from which on a contradiction is taken to have a cause of its own. After a contradiction that
+/// comes sooner, the methods unlearn twice as far back as before.
 const UNLEARN_CALM_S: f64 = 15.0;
-/// Least time by which a doubt reaches back from the present: poses since then may already have been contracted wrongly by the assumption that
-/// failed.
+/// Least time before the present from which on poses are computed anew when a doubt begins: since then the assumption that failed may already have
+/// contracted poses wrongly.
 const DOUBT_S: f64 = 1.0;
-/// Time after the end of a doubt in which a new contradiction is taken to have the same cause, farther back than was assumed: the new doubt
-/// reaches back twice as far.
+/// Time after the end of a doubt in which a new contradiction is taken to have the same cause as that doubt, but longer ago than was assumed: the new
+/// doubt reaches twice as far back.
 const DOUBT_AGAIN_S: f64 = 5.0;
-/// Number of sectors of heading per turn in which a robot that may be anywhere is searched: contractors of poses narrow headings only within a
-/// part of a turn.
+/// Number of sectors of heading per turn in which a robot that may be anywhere is searched for. There are several, because a contractor of poses
+/// narrows headings only within a part of a turn.
 const HEADINGS: usize = 8;
-/// Number of turns of possible headings beyond which the sectors of heading become wider instead of more.
+/// Greatest number of turns, spanned by the possible headings, up to which a wider span is searched in more sectors of heading; beyond it, the
+/// sectors become wider instead.
 const MOST_TURNS: f64 = 4.0;
 
-/// What a reading, before its constraint is applied, says about each hypothesis on what failed.
+/// What a reading says about each hypothesis on what failed; determined before the reading's constraint is applied.
 pub(super) struct Evidence {
     stamp_s: f64,
     witnesses: Vec<Witness>,
-    /// Whether the reading restricts the pose enough for a hypothesis to be believed by it.
+    /// Whether the reading restricts the pose enough to count as support for a hypothesis.
     decides: bool,
-    /// For each hypothesis, whether the motion by the wheels leads from the pose at the previous image to poses that the reading allows.
+    /// For each hypothesis on what failed, whether the motion by the wheels leads from its poses at the previous image to poses that the reading
+    /// allows.
     agrees: Vec<bool>,
 }
 
-/// Times and depths of earlier doubts.
+/// When earlier doubts about an assumption took place, and how far back they reached.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubts {
     /// Time at which the last doubt about an assumption ended: poses before that time are not recomputed.
     pub(super) ended_s: f64,
     /// Time by which the last doubt reached back before the contradiction that began it.
     depth_s: f64,
-    /// Time at which the methods last unlearnt recent readings, and the time by which that reached back.
+    /// Time at which the methods last unlearnt what they had learnt from recent readings, and how many seconds before it that began.
     unlearnt: (f64, f64),
 }
 
@@ -71,8 +74,8 @@ impl Default for Doubts {
 }
 
 impl Localizer {
-    /// Begins a doubt because an assumption failed, perhaps some time ago. From the stamp at which it departs from the previous belief, every
-    /// hypothesis about what failed is followed.
+    /// Begins a doubt: an assumption failed, perhaps some time ago, and it is not known which. Every hypothesis about what failed is followed from
+    /// the stamp on from which it differs from what the localizer believed before.
     ///
     /// `contradicting_s` is the stamp of the constraint that left the pose union empty, if a constraint did.
     pub(super) fn begin_doubt(&mut self, contradicting_s: Option<f64>) {
@@ -91,7 +94,8 @@ impl Localizer {
         let doubtful_s = self.now_s - depth_s;
         self.ring.drop_anchors_after(doubtful_s);
 
-        // All constraints are applied again from the first one on that relied on something unlearnt.
+        // The hypothesis of a false reading is followed from that reading on, or from the first constraint on that relied on something just unlearnt,
+        // if that constraint is earlier.
         let reading = contradicting_s.map(|stamp_s| (Failed::Reading, stamp_s.min(renewed_s)));
         let since: Vec<(Failed, f64)> =
             reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
@@ -121,12 +125,12 @@ impl Localizer {
         }
     }
 
-    /// Begins the doubt anew when no hypothesis leaves any pose: the robot may be anywhere in the room.
+    /// Begins the doubt anew, with the robot anywhere in the room, because no hypothesis about what failed leaves any pose.
     fn begin_anywhere(&mut self) {
         let mut failed = vec![Failed::Motion, Failed::Memory];
         let mut unions = vec![self.anywhere(), PoseUnion::default()];
         if self.anywhere().is_empty() {
-            // If the room has no place for the robot's body, nothing can be said about the pose.
+            // If no place in the room is wide enough for the robot's body, no pose is possible and nothing can be said about the pose.
             failed.truncate(1);
             unions.truncate(1);
         }
@@ -136,8 +140,8 @@ impl Localizer {
         self.restart_integral();
     }
 
-    /// Every position in the room, with all headings that are possible, divided into sectors about the last known heading: a whole turn, and as
-    /// far as the robot can have turned since.
+    /// Every position in the room with all headings that are possible, divided into sectors about the last known heading. The possible headings are a
+    /// whole turn, or more if the robot can have turned farther since that heading was known.
     fn anywhere(&self) -> PoseUnion {
         let room = self.whole_room();
         let (known_s, known) = self.known_heading;
@@ -147,8 +151,8 @@ impl Localizer {
         if !n_turns.is_finite() || !middle_rad.is_finite() {
             return PoseUnion::single(room);
         }
-        // Headings are not wrapped. If they extend beyond one turn, there is one more sector, so that equally many lie on both sides of the middle
-        // one.
+        // Headings are real numbers, not wrapped to one turn. If the possible headings extend beyond one turn, there is one more sector, so that
+        // equally many lie on both sides of the middle one.
         let n_aside = (n_turns.min(MOST_TURNS) * (HEADINGS / 2) as f64).ceil();
         let n_sectors = 2 * n_aside as usize + usize::from(n_turns > 1.0);
         let sector_rad = n_turns * std::f64::consts::PI / n_aside;
@@ -161,7 +165,8 @@ impl Localizer {
         PoseUnion { branches: boxes.filter(|sector| !sector.is_empty()).collect() }
     }
 
-    /// Union of poses that a constraint allows anywhere in the room, if it names its place on the map; empty for any other constraint.
+    /// Union of all poses in the room that a constraint allows, if it claims to have seen a marker, whose place the map gives; empty for any other
+    /// constraint.
     pub(super) fn located(&self, constraint: &Constraint) -> PoseUnion {
         if named(constraint).is_empty() {
             return PoseUnion::default();
@@ -169,16 +174,16 @@ impl Localizer {
         contract_union(&self.anywhere(), constraint.on_pose.as_ref())
     }
 
-    /// Witnesses of a constraint: the one marker that it names, or its markers if they do not agree with each other, or else the reading. Markers
-    /// of one reading that agree are not all misplaced: if such a reading is false, it is for a reason of its own, such as a body that leaned, and
-    /// the next reading of the same markers is another witness.
+    /// Witnesses of a constraint: the things by whose fault alone it may be false. If it names one marker, or several that do not agree with each
+    /// other, the witnesses are these markers; otherwise the witness is the reading. Markers of one reading that agree are not all misplaced: if such
+    /// a reading is false, it is for a reason of its own, such as a body that leaned, and the next reading of the same markers is another witness.
     pub(super) fn witnesses(&self, constraint: &Constraint) -> Vec<Witness> {
         let named = named(constraint);
         let is_one_thing = named.len() == 1 || (named.len() > 1 && self.located(constraint).is_empty());
         if is_one_thing { named } else { vec![Witness::Reading(constraint.stamp_s)] }
     }
 
-    /// What a constraint, before it is applied, says about each hypothesis on what failed; `None` while nothing is doubted.
+    /// What a constraint says about each hypothesis on what failed, before the constraint is applied; `None` while no assumption is doubted.
     pub(super) fn evidence(&self, constraint: &Constraint, witnesses: &[Witness]) -> Option<Evidence> {
         self.is_doubted().then(|| Evidence {
             stamp_s: constraint.stamp_s,
@@ -202,8 +207,8 @@ impl Localizer {
             }
             let agrees = evidence.decides && evidence.agrees[hypothesis];
             if evidence.decides && !agrees {
-                // The disagreement is noted before the hypothesis is recomputed: poses to which the wheels do not lead may still be possible by
-                // the robot's limits of motion.
+                // The disagreement of the wheels with the reading is noted before the hypothesis is recomputed, because it makes the hypothesis
+                // distrust the wheels: the robot's limits of motion may still allow poses to which the wheels do not lead.
                 self.hypotheses[hypothesis].disagree();
             }
             let contradicting = self.replay(hypothesis, from_s);
@@ -216,7 +221,8 @@ impl Localizer {
             } else if agrees {
                 weighed.agree(&evidence.witnesses, evidence.stamp_s);
             } else if evidence.decides && weighed.failed == Failed::Memory && !is_lost {
-                // The reading from which a hypothesis has found the robot's place anew is the first witness for that hypothesis.
+                // Under the hypothesis that everything known was false, the reading by which the robot's place was found anew is the first witness in
+                // support.
                 weighed.note(&evidence.witnesses);
             }
         }
@@ -225,13 +231,14 @@ impl Localizer {
         n_against == n_hypotheses
     }
 
-    /// Drops hypotheses that two witnesses contradict or that leave no pose; the last hypothesis stays, whatever contradicts it.
+    /// Drops hypotheses that leave no pose or that two witnesses (markers or readings) contradict; the last hypothesis stays, whatever contradicts
+    /// it.
     fn drop_refuted(&mut self) {
         let is_empty = |hypothesis: usize| self.ring.last().is_some_and(|last| last.unions[hypothesis].is_empty());
         let mut dropped: Vec<usize> = Vec::new();
         for (index, hypothesis) in self.hypotheses.iter().enumerate() {
-            // The hypothesis that everything known is false leaves no pose until a reading names its place, and begins anew at whatever
-            // contradicts it.
+            // The hypothesis that everything known is false is kept: it leaves no pose until a reading shows a marker, whose place the map gives, and
+            // it begins anew at any reading of markers that contradicts it.
             let is_dead = hypothesis.failed != Failed::Memory && (hypothesis.is_refuted() || is_empty(index));
             let others_left = (0..self.hypotheses.len()).any(|other| {
                 other != index && !dropped.contains(&other) && !is_empty(other) && !self.hypotheses[other].is_refuted()
@@ -248,7 +255,8 @@ impl Localizer {
         }
     }
 
-    /// Ends the doubt once one hypothesis has enough witnesses and no other puts the robot elsewhere.
+    /// Ends the doubt about an assumption once two witnesses (markers or readings) support one hypothesis about what failed, and no other hypothesis
+    /// puts the robot elsewhere.
     fn end_doubt_when_decided(&mut self) {
         let Some(last) = self.ring.last() else { return };
         let mut followed = self.hypotheses.iter().zip(&last.unions);
@@ -262,7 +270,7 @@ impl Localizer {
         if last.unions.iter().any(is_elsewhere) {
             return;
         }
-        // If everything known before was false, nothing true was learnt from it.
+        // If everything known before was false, the heading fixes of that time and what was learnt from them are false as well.
         if let (Failed::Memory, Some(fixes)) = (hypothesis.failed, &mut self.fixes) {
             fixes.forget_since(f64::NEG_INFINITY);
         }
@@ -276,16 +284,17 @@ impl Localizer {
         );
     }
 
-    /// Whether the motion by the wheels leads from the pose union at the last image to poses that this constraint allows.
+    /// Whether, under one hypothesis, the motion by the wheels leads from the pose union at the last image before the constraint to poses that the
+    /// constraint allows.
     fn agrees_with_wheels(&self, hypothesis: usize, constraint: &Constraint) -> bool {
         let Some(before) = self.ring.image_before(constraint.stamp_s) else { return false };
         self.carried(&before.unions[hypothesis], before.stamp_s, constraint.stamp_s, false)
             .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
     }
 
-    /// Lets the methods unlearn what they learnt in the last seconds. Before it is noticed, a push that is smaller than the pose box may have been
-    /// learnt from for a long time; so if unlearning was not enough, it goes twice as far back the next time. Returns the stamp from which on
-    /// constraints were made anew.
+    /// Lets the methods unlearn what they learnt in the last seconds. A push by less than the pose box's width may go unnoticed for a long time,
+    /// while methods learn from false poses; so if unlearning was not enough, it goes twice as far back the next time. Returns the stamp of the first
+    /// constraint that was recomputed, or infinity if none was.
     fn unlearn_deeper(&mut self) -> f64 {
         let (latest_s, depth_s) = self.doubts.unlearnt;
         let since_s = self.now_s - latest_s;
@@ -297,8 +306,8 @@ impl Localizer {
         self.unlearn_since(self.now_s - depth_s)
     }
 
-    /// Lets the methods unlearn what they learnt since `since_s`, and recomputes the constraints that relied on it. Returns the stamp of the first
-    /// of these constraints.
+    /// Lets the methods unlearn what they learnt since `since_s`, and recomputes the stored constraints that relied on it. Returns the stamp of the
+    /// first of these constraints, or infinity if there is none.
     fn unlearn_since(&mut self, since_s: f64) -> f64 {
         let mut first_s = f64::INFINITY;
         if let Some(fixes) = &mut self.fixes {

@@ -1,8 +1,9 @@
-//! Heading fixes: what earlier headings say about the gyroscope's bias and scale, and about the present heading.
+//! Heading fixes: what earlier headings say about the gyroscope's bias and scale, and about the present heading. A heading fix is a heading interval
+//! known at one stamp.
 //!
-//! A heading that the gyroscope carries from one stored pose to the next becomes wider at every stamp that splits the averaging span of a
-//! gyroscope reading; carried directly from the stamp of its fix, it becomes wider only once. Therefore all recent fixes are carried directly, and
-//! a good view of walls still helps while views are poor.
+//! If the gyroscope carries a heading from one stored pose to the next, it becomes wider at every stamp that lies inside the averaging span of a
+//! gyroscope reading, because the reading has to be split there. Carried directly from the stamp of its fix to the present, it becomes wider only
+//! once. Therefore all recent fixes are carried directly, and a good view of walls still helps while views are poor.
 
 use std::collections::VecDeque;
 
@@ -15,29 +16,29 @@ use crate::{
     robot::{GyroModel, Reach},
 };
 
-/// Name of the bound that a bias learnt at rest relies on.
+/// Name of the declared bound that the gyroscope's bias relies on if it is learnt while the robot stands.
 const REST: Assumption = bounds::WHEELS_REST;
 
 /// Age up to which heading fixes and gyroscope readings are kept. Two fixes 900 s apart determine the bias to the sum of their widths divided by
 /// 900 s; older fixes would add little, as the bias itself drifts meanwhile.
 const KEEP_S: f64 = 900.0;
-/// `[max age, window]` of each age class of heading fixes: up to the maximum age, the narrowest fix of every window is kept, and the others are
-/// dropped.
+/// `[max age, window]` of each age class of heading fixes (headings known at single stamps): up to the maximum age, the narrowest fix of every window
+/// is kept, and the others are dropped.
 const WHILES_S: [[f64; 2]; 3] = [[10.0, 1.0], [60.0, 5.0], [KEEP_S, 30.0]];
 /// Time without an encoder tick after which the robot counts as standing: braking wheels may roll on by less than a tick during it.
 const SETTLED_S: f64 = 0.5;
 /// Period at which the gyroscope's bias is learnt again while the robot stands.
 const REST_AGAIN_S: f64 = 1.0;
-/// Age up to which a heading fix is carried forward by the gyroscope. Older fixes have become wider than newer ones through the accumulated errors
-/// of scale and bias.
+/// Age up to which a heading fix is carried to the present by the gyroscope. By then the errors of scale and bias have added up, so that older fixes
+/// have become wider than newer ones.
 const CARRY_S: f64 = 60.0;
 
-/// What is known of the gyroscope's bias, and the heading fixes from which it is learnt.
+/// What is known of the gyroscope's bias and scale, and the heading fixes (headings known at single stamps) from which these are learnt.
 pub(super) struct HeadingFixes {
     model: GyroModel,
     /// Greatest change of the robot's turn rate per time.
     change_rad_per_s2: f64,
-    /// Greatest turn of the body at rest, if it is declared.
+    /// Greatest angle by which the body turns while the robot stands, if it is declared.
     rest_turn_rad: Option<f64>,
     errors: GyroErrors,
     readings: GyroHistory,
@@ -48,8 +49,8 @@ pub(super) struct HeadingFixes {
 }
 
 impl HeadingFixes {
-    /// Heading fixes for a gyroscope on a robot whose turn rate changes by at most `change_rad_per_s2` and which turns by at most `rest_turn_rad`
-    /// at rest.
+    /// Heading fixes for a gyroscope on a robot whose turn rate changes by at most `change_rad_per_s2` and which turns by an angle of at most
+    /// `rest_turn_rad` while it stands.
     pub(super) fn new(model: GyroModel, change_rad_per_s2: f64, rest_turn_rad: Option<f64>) -> Self {
         HeadingFixes {
             model,
@@ -68,7 +69,7 @@ impl HeadingFixes {
         self.fixes.push_back((0.0, heading));
     }
 
-    /// The declared bounds that the learnt gyroscope errors rely on.
+    /// The declared bounds that the learnt bias and scale of the gyroscope rely on.
     pub(super) fn relies_on(&self) -> impl Iterator<Item = Assumption> + use<> {
         std::iter::once(self.errors.relies_on()).chain(self.rest_turn_rad.map(|_| REST))
     }
@@ -91,7 +92,7 @@ impl HeadingFixes {
         self.readings.push(time_s, rate_rad_per_s);
     }
 
-    /// Learns the gyroscope's errors from a heading fixed at a stamp. A heading that contradicts the earlier ones is not kept.
+    /// Learns the gyroscope's errors from a heading that is known at a stamp. A heading that contradicts the earlier ones is not kept.
     pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) -> Outcome {
         for &(fixed_s, before) in &self.fixes {
             if let Some(read) = self.readings.sum(fixed_s, stamp_s, self.change_rad_per_s2)
@@ -105,7 +106,7 @@ impl HeadingFixes {
         Outcome::Feasible
     }
 
-    /// Keeps the narrowest heading fix of every window of each age class.
+    /// Keeps, of all heading fixes (headings known at single stamps), the narrowest one of every time window of each age class.
     fn thin_out(&mut self, now_s: f64) {
         let while_of = |fixed_s: f64| {
             let [_, while_s] = WHILES_S.into_iter().find(|[old_s, _]| now_s - fixed_s <= *old_s)?;
@@ -123,7 +124,8 @@ impl HeadingFixes {
         self.fixes = kept;
     }
 
-    /// Heading at a stamp: the intersection of all recent heading fixes, each carried to the stamp by the gyroscope.
+    /// Heading at a stamp: the intersection of all heading fixes (headings known at earlier stamps) up to [`CARRY_S`] old, each carried to the stamp
+    /// by the gyroscope.
     pub(super) fn heading(&self, stamp_s: f64) -> Interval {
         let carried = self.fixes.iter().filter(|(fixed_s, _)| (stamp_s - CARRY_S..=stamp_s).contains(fixed_s));
         carried.fold(Interval::ENTIRE, |heading, (fixed_s, fixed)| match self.turn(*fixed_s, stamp_s) {
@@ -132,7 +134,7 @@ impl HeadingFixes {
         })
     }
 
-    /// Turn between two stamps by the gyroscope alone, while the wheels keep within their acceleration bound.
+    /// Turn between two stamps by the gyroscope alone, for a robot whose wheels keep their declared bound on acceleration.
     pub(super) fn turn(&self, from_s: f64, to_s: f64) -> Option<Interval> {
         self.turn_at_change(from_s, to_s, self.change_rad_per_s2)
     }
@@ -158,7 +160,7 @@ impl HeadingFixes {
         self.errors.scale()
     }
 
-    /// Forgets everything that was learnt later than `since_s`.
+    /// Forgets what was learnt about the gyroscope later than `since_s`, and all later heading fixes.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         self.errors.forget_since(since_s);
         self.fixes.retain(|(fixed_s, _)| *fixed_s <= since_s);

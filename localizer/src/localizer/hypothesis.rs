@@ -1,37 +1,40 @@
-//! Hypotheses about which assumption failed, and the readings that support or contradict each.
+//! Hypotheses about which assumption failed after readings contradicted each other, and the readings that support or contradict each hypothesis.
 
 use interval::contractor::Contractor;
 
 use crate::{Constraint, markers::MarkerId, method::Claim};
 
-/// Number of witnesses, no two of which have anything in common, that confirm or refute a hypothesis. No declared bound
+/// Number of witnesses (markers or whole readings) that confirm or refute a hypothesis; no two of them have anything in common. No declared bound
 /// lets a whole reading be wrong: one may be because an assumption failed, but two are not by chance.
 const WITNESSES: usize = 2;
 
 /// The part of the assumptions that a hypothesis says has failed: a reading, the motion, or everything known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failed {
-    /// Hypothesis that nothing has failed; there is no doubt.
+    /// Hypothesis that no assumption has failed; there is no doubt.
     Nothing,
-    /// Hypothesis that the reading that gave the contradiction is false.
+    /// Hypothesis that the reading that contradicted what was known is false.
     Reading,
-    /// Hypothesis that the bounds on motion were broken in the last second or seconds.
+    /// Hypothesis that wheels or flow sensor broke their declared bounds in the last second or seconds.
     Motion,
-    /// Hypothesis that everything that was known before is false.
+    /// Hypothesis that everything that was known about the pose before the contradiction is false.
     Memory,
 }
 
-/// One explanation of the readings, and the readings that support or contradict it.
+/// One explanation of why readings contradicted each other, and the readings since then that support or contradict the explanation.
 #[derive(Clone, Debug)]
 pub(super) struct Hypothesis {
     pub(super) failed: Failed,
-    /// Witnesses that agreed with the hypothesis since the last reading that did not.
+    /// Witnesses (markers or whole readings) that have agreed with the hypothesis since a reading last disagreed with it.
     agreeing: Vec<Witness>,
-    /// Witnesses of each reading that contradicted the hypothesis. No two of these readings have a witness in common.
+    /// For each reading that contradicted the hypothesis, its witnesses: the markers that it shows, or the reading itself. No two of these readings
+    /// have a witness in common.
     against: Vec<Vec<Witness>>,
-    /// Number of consecutive readings such that the motion by the wheels leads from each to the next.
+    /// Number of latest readings in a row for which the motion by the wheels leads from the poses at the reading before to poses that the reading
+    /// allows.
     n_in_a_row: usize,
-    /// Stamp from which the wheels are trusted again, whatever failed before, because consecutive readings agreed with them.
+    /// Stamp from which on the hypothesis takes the robot's motion from the wheels again, whatever failed before, because consecutive readings agreed
+    /// with them; infinite while it does not.
     rolls_since_s: f64,
 }
 
@@ -44,19 +47,19 @@ impl Hypothesis {
         Hypothesis { failed, agreeing: Vec::new(), against: Vec::new(), n_in_a_row: 0, rolls_since_s }
     }
 
-    /// Whether the hypothesis trusts the wheels for the motion from a given stamp on.
+    /// Whether the hypothesis takes the robot's motion from a given stamp on from the wheels.
     pub(super) fn trusts_wheels(&self, from_s: f64) -> bool {
         from_s >= self.rolls_since_s
     }
 
-    /// Whether this hypothesis leaves a reading out. If it says that a reading is false, every other reading with one of the same witnesses is
-    /// left out too.
+    /// Whether this hypothesis leaves out a reading with the given witnesses (the markers that it shows, or the reading itself). The hypothesis that
+    /// a reading is false leaves out every reading that shares a witness with a reading that contradicted it; the others leave out none.
     pub(super) fn disbelieves(&self, witnesses: &[Witness]) -> bool {
         self.failed == Failed::Reading && self.knows_any(witnesses)
     }
 
-    /// The part of a constraint that this hypothesis believes: nothing that relies on motion, if it says that the motion or everything known was
-    /// false.
+    /// The part of a constraint that this hypothesis applies. A hypothesis that the motion or everything known was false applies no part that relies
+    /// on motion.
     pub(super) fn believed<'a>(&self, constraint: &'a Constraint) -> &'a (dyn Contractor<3> + Send + Sync) {
         let by_itself =
             constraint.by_itself.as_ref().filter(|_| matches!(self.failed, Failed::Motion | Failed::Memory));
@@ -82,7 +85,7 @@ impl Hypothesis {
         }
     }
 
-    /// Notes that the motion by the wheels does not lead to the poses that a reading allows.
+    /// Notes that, under this hypothesis, the motion by the wheels does not lead to the poses that a reading allows.
     pub(super) fn disagree(&mut self) {
         self.agreeing.clear();
         self.n_in_a_row = 0;
@@ -91,7 +94,7 @@ impl Hypothesis {
         }
     }
 
-    /// Notes that the motion by the wheels leads to poses that a reading of `stamp_s` allows.
+    /// Notes that, under this hypothesis, the motion by the wheels leads to poses that a reading with the stamp `stamp_s` allows.
     pub(super) fn agree(&mut self, witnesses: &[Witness], stamp_s: f64) {
         self.n_in_a_row += 1;
         if self.n_in_a_row >= WITNESSES {
@@ -118,7 +121,7 @@ pub(super) enum Witness {
     Reading(f64),
 }
 
-/// The markers that a constraint's claims name, as witnesses.
+/// The markers that a constraint claims to have seen, as witnesses for or against a hypothesis.
 pub(super) fn named(constraint: &Constraint) -> Vec<Witness> {
     let markers = constraint.claims.iter().filter_map(|claim| match claim {
         Claim::Marker { marker, .. } => Some(Witness::Marker(*marker)),

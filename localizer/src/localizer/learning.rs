@@ -7,8 +7,8 @@ use crate::{Constraint, Localizer, PoseUnion, motion::greatest_change_rad_per_s2
 use super::{after_turn::AfterTurn, heading_fixes::HeadingFixes, moves::memory_s};
 
 impl Localizer {
-    /// The localizer, which in addition learns the gyroscope's bias and scale between heading fixes; also at rest, if it is declared that the body
-    /// turns by at most `rest_turn_rad` there.
+    /// The same localizer, set to learn the gyroscope's bias and scale between heading fixes (headings known at single stamps). If `rest_turn_rad` is
+    /// given, it also learns the bias while the robot stands, as the body is then declared to turn by at most that angle.
     pub fn learning_gyro(mut self, rest_turn_rad: Option<f64>) -> Self {
         let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
         self.fixes = self.robot.gyro.map(|model| HeadingFixes::new(model, change_rad_per_s2, rest_turn_rad));
@@ -30,7 +30,7 @@ impl Localizer {
         Some(self.fixes.as_ref().map_or(declared, |fixes| fixes.bias_over(0.0, self.now_s)))
     }
 
-    /// Learns the gyroscope's bias while the encoders count nothing.
+    /// Learns the gyroscope's bias while the wheel encoders count no tick.
     pub(super) fn learn_at_rest(&mut self, time_s: f64, ticks: [i64; 2]) {
         let (since_s, _) = *self.at_rest.take_if(|(_, before)| *before == ticks).get_or_insert((time_s, ticks));
         self.at_rest = Some((since_s, ticks));
@@ -43,8 +43,8 @@ impl Localizer {
         self.tell_wheels_of_gyro();
     }
 
-    /// Moves a constraint on the heading to the stamp of the wheel reading before it, by the gyroscope's turn in the few milliseconds between. A
-    /// pose stored at the stamp of a wheel reading does not split the span between two readings, which would make the predicted motion wider.
+    /// Moves a constraint on the heading to the stamp of the wheel reading before it, by the gyroscope's turn in the few milliseconds between. A pose
+    /// that is stored at any other stamp would split the span between two wheel readings, which would make the predicted motion wider.
     pub(super) fn on_a_reading(&self, constraint: Constraint) -> Constraint {
         let at_s = self.wheels.reading_before(constraint.stamp_s);
         let turn = at_s
@@ -59,8 +59,8 @@ impl Localizer {
         }
     }
 
-    /// Learns the gyroscope's bias from a new heading fix, unless an assumption is doubted. Returns whether the fix agrees with what was known; if
-    /// not, an assumption has failed.
+    /// Learns the gyroscope's bias from a new heading fix (a heading known at one stamp), unless an assumption is doubted. Returns whether the fix
+    /// agrees with what was known; if not, an assumption has failed.
     pub(super) fn learn_heading(&mut self, stamp_s: f64, heading: Interval) -> bool {
         let is_doubted = self.is_doubted();
         let Some(fixes) = &mut self.fixes else { return true };
@@ -69,15 +69,14 @@ impl Localizer {
         agrees
     }
 
-    /// Passes the learnt bias and scale of the gyroscope to the wheel history. A bias that drifts is known less well the longer it has not been
-    /// learnt.
+    /// Passes the learnt bias and scale of the gyroscope to the wheel history. A bias that drifts is known less well the longer ago it was learnt.
     pub(super) fn tell_wheels_of_gyro(&mut self) {
         if let Some(fixes) = &self.fixes {
             self.wheels.learn_gyro(fixes.bias_over(memory_s(&self.robot), self.now_s), fixes.scale());
         }
     }
 
-    /// A pose union at a stamp without the headings that earlier heading fixes rule out.
+    /// A pose union at a stamp without the headings that earlier heading fixes, carried to that stamp by the gyroscope, rule out.
     pub(super) fn as_fixed_before(&self, mut union: PoseUnion, stamp_s: f64) -> PoseUnion {
         let Some(fixes) = self.fixes.as_ref().filter(|_| !self.is_doubted()) else { return union };
         let heading = fixes.heading(stamp_s);

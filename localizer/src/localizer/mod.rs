@@ -1,5 +1,5 @@
-//! The localizer. It keeps a ring of slots, each with the pose union at one stamp of the recent past; predicts the pose from wheel readings;
-//! applies each image's constraint at the image's own stamp; and accounts for the effect of every reading.
+//! The localizer. It keeps a ring of slots, each with the pose union at one stamp of the recent past; predicts the pose from wheel readings; applies
+//! the constraint from each image or other reading at that reading's own stamp; and gives an account of what came of it.
 
 mod account;
 mod after_turn;
@@ -32,15 +32,15 @@ use slip::CertifiedSlip;
 
 /// Age, in seconds, up to which a reading's stamp is accepted: an older reading is refused, and stored pose unions are recomputed no further back.
 const REMEMBER_S: f64 = 3.0;
-/// Time difference below which two times count as the same instant: periods are decimal numbers, stamps are binary ones.
+/// Time difference below which two times count as the same instant: periods are decimal numbers, which binary stamps represent only nearly.
 const SAME_S: f64 = 1e-9;
-/// Whether an estimate relies on its declared assumptions alone, or one of them is doubted.
+/// Whether an estimate relies on its declared assumptions alone, or one of these is doubted because of a contradiction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// No assumption is doubted.
     Sound,
-    /// An empty intersection proved that an assumption failed. The pose union grows by the robot's physical limits of motion until enough images
-    /// agree.
+    /// An empty intersection proved that an assumption failed, but not which. The pose union grows by the robot's physical limits of motion until
+    /// enough readings agree on the pose.
     Recovering,
 }
 
@@ -49,7 +49,7 @@ pub enum Status {
 pub struct Estimate {
     /// The instant that the estimate is for.
     pub time_s: f64,
-    /// Union of boxes of which at least one contains the pose.
+    /// Union of boxes of which at least one contains the robot's pose.
     pub pose: PoseUnion,
     /// Whether an assumption is doubted.
     pub status: Status,
@@ -67,7 +67,7 @@ pub struct Localizer {
     /// Motion by the wheels, integrated since the stamp of the latest stored pose union.
     integral: Option<WheelIntegral>,
     current: PoseUnion,
-    /// Time and heading interval of the latest pose estimate that was not empty.
+    /// Time of the latest pose estimate that was not empty, and the interval of its headings.
     known_heading: (f64, Interval),
     now_s: f64,
     /// Hypotheses about which assumption failed; every stored slot has a pose union for each of them. Unless an assumption is doubted there is one
@@ -81,7 +81,7 @@ pub struct Localizer {
     /// none.
     stale_s: f64,
     relies_on: Vec<Assumption>,
-    /// Heading fixes from which the gyroscope's bias is learnt; `None` if the bias is not learnt.
+    /// Heading fixes (headings known at single stamps) from which the gyroscope's bias is learnt; `None` if the bias is not learnt.
     fixes: Option<HeadingFixes>,
     /// The wheel encoders' latest count, and the time since which they have had that count.
     at_rest: Option<(f64, [i64; 2])>,
@@ -90,7 +90,7 @@ pub struct Localizer {
 }
 
 impl Localizer {
-    /// A localizer for a robot whose pose at time 0 is within `start`.
+    /// A localizer for a robot whose pose at time 0 is within the box `start`.
     pub fn new(map: Map, robot: RobotModel, methods: Vec<Box<dyn Method>>, start: PoseBox) -> Self {
         let mut localizer = Localizer {
             wheels: motion_history(&robot),
@@ -115,7 +115,8 @@ impl Localizer {
         localizer
     }
 
-    /// Restarts the localizer for a robot put within `start`, with the clock set back to 0: nothing is kept but what the methods have learnt.
+    /// Restarts the localizer for a robot whose pose is within the box `start`, with the clock set back to 0: nothing is kept but what the methods
+    /// have learnt.
     pub fn restart(&mut self, start: PoseBox) {
         self.wheels = motion_history(&self.robot);
         self.ring = Ring::new(REMEMBER_S);
@@ -132,8 +133,8 @@ impl Localizer {
         self.begin_fixes();
     }
 
-    /// Gives the localizer the time spans in which the wheels slip by more than declared in this drive, as they are known when a run is simulated
-    /// again.
+    /// Announces the time spans of the coming drive in which the wheels slip by more than declared. They are known only when a run is simulated again
+    /// to find the cause of a failure.
     pub fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
         self.wheels.expect_slip(excesses);
     }
@@ -144,7 +145,8 @@ impl Localizer {
         self.ring.push(Slot::anchor(0.0, vec![self.current.clone()]));
     }
 
-    /// Processes one sensor reading; readings have to come in order of arrival. Returns an account for each method that read it.
+    /// Processes one sensor reading; readings have to come in order of arrival. Returns, for each method that used the reading, an account of what
+    /// came of it.
     pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
         match reading {
             Reading::Wheels { measured_s, ticks, .. } => {
@@ -179,24 +181,26 @@ impl Localizer {
         Estimate { time_s: self.now_s, pose: self.in_true_time(&self.current), status, relies_on }
     }
 
-    /// The pose estimate at an instant. If the latest wheel reading is older, as when readings come late, the pose is carried on by what the
-    /// wheels can have done since. Much later, and while the wheels are doubted, only the robot's physical limits of motion (its reach) bound the
-    /// motion.
+    /// The pose estimate at a given instant. If the latest wheel reading is older, as when readings come late, the pose is carried on by the motion
+    /// that the wheels can have made since. If it is much older, or while the wheels are doubted, only the robot's physical limits of motion (its
+    /// reach) bound that motion.
     pub fn estimate_at(&self, time_s: f64) -> Estimate {
         let mut estimate = self.estimate();
         if time_s <= self.now_s + SAME_S {
             return estimate;
         }
-        // The time span is rounded up to whole microseconds, because the same instant counted from another time zero differs in its last digits.
+        // The time since the latest wheel reading is rounded up to whole microseconds: the same instant, counted from another time zero, differs in
+        // its last digits, by which the estimate shall not differ.
         let span_s = ((time_s - self.now_s) * 1e6).ceil() * 1e-6;
         let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
         let within_reach = self.inside_room(moved_union(&estimate.pose, &motion));
         let rolled = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s + span_s));
-        // Rounding up carries the pose up to 1 µs too far; the motion possible in 1 µs at the robot's greatest speed and turn rate allows for the
-        // way back.
+        // Rounding the time up carries the pose up to 1 µs past the requested instant. The motion that is possible in 1 µs at the robot's greatest
+        // speed and turn rate is added, so that the boxes hold at that instant.
         let rounded = reach_motion(1e-6, &self.robot.reach);
         let both = rolled.map(|rolled| self.in_true_time(&moved_union(&rolled, &rounded)).common(&within_reach));
-        // An empty intersection of both predictions means that wheels or gyroscope are wrong, which the next wheel reading will show.
+        // If the prediction by the wheels and that by the limits of motion have no pose in common, wheels or gyroscope are wrong, which the next
+        // wheel reading will show. Until then the limits of motion alone are used.
         estimate.pose = both.filter(|both| !both.is_empty()).unwrap_or(within_reach);
         estimate.time_s = time_s;
         let reach: Vec<Assumption> =
@@ -205,7 +209,7 @@ impl Localizer {
         estimate
     }
 
-    /// Predicts the pose union up to a wheel reading.
+    /// Takes in a wheel reading and predicts the pose union up to its stamp.
     fn roll(&mut self, time_s: f64, ticks: [i64; 2]) {
         let before_s = self.wheels.latest().map_or(0.0, |before| before.time_s);
         if !self.wheels.push(time_s, ticks) {
@@ -218,8 +222,8 @@ impl Localizer {
         } else {
             self.restart_integral();
         }
-        // Poses at the stamps of readings that arrived before this wheel reading were predicted from the earlier wheel reading by the robot's
-        // limits of speed and turn rate. This wheel reading gives the motion to them, so they are predicted again.
+        // Poses at the stamps of readings that arrived before this wheel reading were predicted from the earlier wheel reading by the robot's limits
+        // of speed and turn rate. This wheel reading gives the motion up to those stamps, so that the poses are predicted again.
         if self.ring.first_after(before_s).is_some_and(|overtook_s| overtook_s <= time_s) {
             self.replay_all(before_s);
         }
@@ -248,13 +252,14 @@ impl Localizer {
         let Some(predicted) = predicted else { return };
         self.answer(predicted);
         if self.current.is_empty() {
-            // No place in the room fits the motion by the wheels, so that the wheels are the first to be doubted.
+            // No pose in the room fits the motion by the wheels. As no constraint contradicts, the doubt begins without the hypothesis that a reading
+            // is false.
             self.begin_doubt(None);
         }
     }
 
-    /// Motion since the latest stored pose union, whose stamp is not after the latest wheel reading, by the integral that continues with each
-    /// wheel reading.
+    /// Motion since the stamp of the latest stored pose union, which is not after the latest wheel reading. The wheels' part comes from an integral
+    /// that every wheel reading continues.
     fn motion_since_last_slot(&mut self, stamp_s: f64) -> Motion {
         let span_s = [stamp_s, self.now_s];
         let wheels = self.wheels.model_over(span_s, &self.robot.wheels);
@@ -266,21 +271,21 @@ impl Localizer {
             }
             self.slip.motion(span_s, Some(rolled), flow, &self.wheels, &self.robot)
         });
-        // If the wheels are not trusted, or their readings since that stamp are missing, only the robot's limits of speed and turn rate bound the
-        // motion.
+        // If the wheels are not trusted, or their readings since the stored pose union's stamp are missing, only the robot's limits of speed and turn
+        // rate bound the motion.
         motion.unwrap_or_else(|| self.wheels.reach_motion(stamp_s, self.now_s, &self.robot.reach))
     }
 
-    /// Excludes the wheels from a time span in which they are seen to slip, and from some time before it in which they may have slipped unnoticed.
-    /// The poses of that time are predicted again.
+    /// Excludes the wheels from a time span in which they contradict the flow sensor and so are seen to slip, and from some time before it in which
+    /// they may have slipped unnoticed. The poses of that time are predicted again.
     fn certify_slip(&mut self, [from_s, now_s]: [f64; 2]) {
         if self.slip.certify([from_s, now_s]) {
             self.replay_all(from_s - slip::UNSEEN_S);
         }
     }
 
-    /// Stores the present pose union as a slot without an image, if no slot was opened for two slip windows, so that the slip bound is counted
-    /// afresh from it.
+    /// Stores the present pose union as a slot without an image if the latest slot is older than two slip windows. The additive part of the slip
+    /// bound is then counted afresh from the new slot.
     fn anchor_when_due(&mut self) {
         let due = self
             .ring
@@ -318,11 +323,13 @@ impl Localizer {
             let (wheels, robot, is_doubted) = (&self.wheels, &self.robot, self.is_doubted());
             let (slip, fixes, doubt_ended_s) = (&self.slip, &self.fixes, self.doubts.ended_s);
             self.methods[idx].carry_to(stamp_s, &|from_s, to_s| {
-                // Over a time span that began during a doubt, the motion by the wheels may be the assumption that failed.
+                // For a time span that began during a doubt or before it, the wheels are not used, because their bounds may be the assumption that
+                // failed.
                 let doubted = is_doubted || from_s < doubt_ended_s;
                 let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
                 let Some(fixes) = fixes else { return motion };
-                // Heading fixes are remembered for longer than the wheel readings from which the position is predicted.
+                // With heading fixes, gyroscope readings are remembered for longer than wheel readings. For a span that only they cover, the limits
+                // of motion bound the displacement, and the gyroscope gives the turn.
                 let mut motion = motion.unwrap_or_else(|| wheels.reach_motion(from_s, to_s, &robot.reach));
                 let turn =
                     if doubted { fixes.turn_if_pushed(from_s, to_s, &robot.reach) } else { fixes.turn(from_s, to_s) };
@@ -357,12 +364,13 @@ impl Localizer {
         accounts
     }
 
-    /// Stores a constraint at its stamp, where `prior` was known before, and recomputes all stored pose unions from there on.
+    /// Stores a constraint in a slot at its stamp, and recomputes all stored pose unions from there on. `prior` is the pose union at the stamp before
+    /// the constraint is applied.
     fn hang(&mut self, mut constraint: Constraint, prior: PoseUnion) -> Account {
         let stamp_s = constraint.stamp_s;
         if self.is_doubted() {
-            // While an assumption is doubted, a constraint's earlier readings were carried by the limits of motion alone, so the whole constraint
-            // is used.
+            // While an assumption is doubted, the earlier readings behind a constraint were carried by the robot's limits of motion alone, which are
+            // not doubted. So the whole constraint is used, not only the part from its own reading.
             constraint.by_itself = None;
         }
         let mut account = Account::of(&constraint, prior);
@@ -381,8 +389,8 @@ impl Localizer {
             None => self.replay_all(from_s),
             Some(evidence) => self.weigh(evidence, from_s),
         };
-        // Old slots are removed only here, because the new slot was predicted from the one before it, which may be older than the window that is
-        // kept.
+        // Old slots are removed only after the new slot was predicted from the slot before it, because that slot may be older than the time for which
+        // slots are kept.
         self.ring.forget();
         account.posterior = self.ring.at(stamp_s).map(Slot::merged).unwrap_or_default();
         self.restart_integral();

@@ -32,8 +32,8 @@ const FLOW: [Assumption; 7] = [
     bounds::REACH_TURN_RATE,
 ];
 
-/// Time for which readings of motion are remembered: as long as stamps may be old; or as long as stored poses may lie apart (there is a new one
-/// after two slip windows), and as much again as stamps may be old, for readings that come late.
+/// Time for which readings of motion are remembered: the greatest age of a stamp that is accepted. If stored poses may lie farther apart than that (a
+/// new one is stored after two slip windows), it is their distance in time plus that age, for readings that come late.
 pub(super) fn memory_s(robot: &RobotModel) -> f64 {
     let apart_s = 2.0 * robot.wheels.slip_window_s;
     if apart_s < REMEMBER_S { REMEMBER_S } else { apart_s + REMEMBER_S }
@@ -52,8 +52,8 @@ pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {
     }
 }
 
-/// The robot's motion between two stamps by the remembered readings; by the robot's limits of speed and turn rate alone while the wheels are
-/// doubted.
+/// The robot's motion between two stamps by the remembered readings; while the wheels are doubted after a contradiction, by the robot's limits of
+/// speed and turn rate alone.
 pub(super) fn motion_between(
     wheels: &WheelHistory,
     robot: &RobotModel,

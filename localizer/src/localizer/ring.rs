@@ -1,4 +1,4 @@
-//! Ring of slots in the order of their stamps. Each slot holds what is known of the pose at one stamp of the recent past.
+//! Ring of slots in the order of their stamps. A slot is a stored entry with what is known of the robot's pose at one stamp of the recent past.
 
 use std::{
     collections::VecDeque,
@@ -9,14 +9,14 @@ use crate::{Constraint, PoseUnion};
 
 use super::hypothesis::Witness;
 
-/// What is known of the pose at one stamp.
+/// What is known of the robot's pose at one stamp.
 pub(super) struct Slot {
     pub(super) stamp_s: f64,
     /// For each hypothesis about what failed, the pose union at the slot's stamp, with the slot's own constraint applied.
     pub(super) unions: Vec<PoseUnion>,
     /// The constraint by an image at this stamp; `None` for an anchor, which is a slot without an image.
     pub(super) constraint: Option<Constraint>,
-    /// Witnesses of the slot's image: the markers that it names, or the image itself.
+    /// Witnesses of the slot's image, which are the things by whose fault alone it may be false: markers that it shows, or the image itself.
     pub(super) witnesses: Vec<Witness>,
 }
 
@@ -40,7 +40,7 @@ pub(super) fn merged(unions: &[PoseUnion]) -> PoseUnion {
     PoseUnion { branches: unions.iter().flat_map(|union| union.branches.iter().copied()).collect() }.without_repeats()
 }
 
-/// The slots of the last `keep_s` seconds, in the order of their stamps.
+/// The slots (stored pose unions) of the last `keep_s` seconds, in the order of their stamps.
 pub(super) struct Ring {
     slots: VecDeque<Slot>,
     keep_s: f64,
@@ -59,22 +59,22 @@ impl Ring {
         self.slots.back()
     }
 
-    /// The ring's last slot whose stamp is at or before the given one.
+    /// The ring's last slot (stored pose union) whose stamp is at or before the given one.
     pub(super) fn before(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s)
     }
 
-    /// The ring's last slot of an image whose stamp is at or before the given one; slots without an image are passed over.
+    /// The ring's last slot (stored pose union) of an image whose stamp is at or before the given one; slots without an image are passed over.
     pub(super) fn image_before(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s && slot.constraint.is_some())
     }
 
-    /// The ring's last slot whose stamp is exactly the given one.
+    /// The ring's last slot (stored pose union) whose stamp is exactly the given one.
     pub(super) fn at(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s == stamp_s)
     }
 
-    /// Stamp of the ring's first slot after a time.
+    /// Stamp of the ring's first slot (stored pose union) after a time.
     pub(super) fn first_after(&self, time_s: f64) -> Option<f64> {
         self.slots.iter().map(|slot| slot.stamp_s).find(|stamp_s| *stamp_s > time_s)
     }
@@ -84,7 +84,7 @@ impl Ring {
         self.slots.iter_mut()
     }
 
-    /// Index of the ring's first slot whose stamp is at or after the given one.
+    /// Index of the ring's first slot (stored pose union) whose stamp is at or after the given one.
     pub(super) fn index_at(&self, stamp_s: f64) -> Option<usize> {
         self.slots.iter().position(|slot| slot.stamp_s >= stamp_s)
     }
@@ -94,8 +94,8 @@ impl Ring {
         self.forget();
     }
 
-    /// Inserts a slot into the ring, in the order of stamps. Later slots without an image are removed, because their pose unions are out of date
-    /// and the new slot serves the prediction as well. No old slot is forgotten here: the new slot is predicted from the one before it, however
+    /// Inserts a slot into the ring, in the order of stamps. Later slots without an image are removed: their pose unions are out of date, and the
+    /// new slot can be predicted from in their place. No old slot is forgotten here: the new slot is itself predicted from the one before it, however
     /// old that is.
     pub(super) fn insert(&mut self, slot: Slot) {
         let place = self.slots.iter().rposition(|other| other.stamp_s <= slot.stamp_s).map_or(0, |index| index + 1);
@@ -110,7 +110,7 @@ impl Ring {
         }
     }
 
-    /// Removes the slots without an image after a stamp, except for the oldest slot, from which all others are predicted.
+    /// Removes the slots (stored pose unions) without an image after a stamp, except for the oldest slot, from which all others are predicted.
     pub(super) fn drop_anchors_after(&mut self, stamp_s: f64) {
         let oldest_s = self.slots.front().map_or(stamp_s, |oldest| oldest.stamp_s);
         self.slots.retain(|slot| slot.stamp_s <= stamp_s.max(oldest_s) || slot.constraint.is_some());
@@ -122,8 +122,8 @@ impl Ring {
         self.slots.push_back(slot);
     }
 
-    /// Forgets slots older than the ring's window, except for the newest two: a reading taken before the newest slot is predicted from the slot
-    /// before.
+    /// Forgets slots older than the ring's window, except for the newest two: the pose at a reading that was taken before the newest slot is
+    /// predicted from the slot before that.
     pub(super) fn forget(&mut self) {
         let Some(newest_s) = self.slots.back().map(|slot| slot.stamp_s) else { return };
         while self.slots.len() > 2 && self.slots[0].stamp_s < newest_s - self.keep_s {

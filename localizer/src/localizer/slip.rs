@@ -1,4 +1,5 @@
-//! Certified slip: wheels and flow sensor contradict each other, which proves that the wheels slipped, so that the wheels are left out.
+//! Proved slip of the wheels: where wheels and flow sensor contradict each other, the wheels slipped by more than declared, so that the wheel
+//! readings are left out.
 
 use crate::{
     RobotModel,
@@ -8,11 +9,11 @@ use crate::{
 /// Time for which the wheel readings are left out after the wheels were last seen to slip: slip that continues needs some time to be detected
 /// again.
 const LEFT_OUT_S: f64 = 0.5;
-/// Time before the detection of slip at which the slip may have begun. Until wheels and flow sensor differ by more than the widths of both, their
-/// intersection may already exclude the truth.
+/// Time before the detection of slip at which the slip may have begun. Slip is detected when the motions that wheels and flow sensor allow no longer
+/// overlap; before that, their intersection may already exclude the true motion.
 pub(super) const UNSEEN_S: f64 = 1.0;
 
-/// Time spans in which the wheels are left out because they were seen to slip.
+/// Time spans in which the wheel readings are left out, because they contradicted the flow sensor, which proves that the wheels slipped.
 #[derive(Clone, Debug)]
 pub(super) struct CertifiedSlip {
     spans_s: Vec<[f64; 2]>,
@@ -20,13 +21,13 @@ pub(super) struct CertifiedSlip {
 }
 
 impl CertifiedSlip {
-    /// No span of slip yet; a span is kept for as long as wheel readings are remembered.
+    /// A record without any span of slip; each span that is noted later is kept for `keep_s`, as long as wheel readings are remembered.
     pub(super) fn new(keep_s: f64) -> Self {
         CertifiedSlip { spans_s: Vec::new(), keep_s }
     }
 
-    /// Notes that the wheels slipped somewhere in this time span, which ends at the present, or up to [`UNSEEN_S`] before it. Returns whether this
-    /// begins a new span of slip, which is so if no earlier one reached up to it.
+    /// Notes that the wheels slipped somewhere in the given time span, which ends at the present, or up to [`UNSEEN_S`] before that span. Returns
+    /// whether this begins a new span of slip; if the latest one reached up to the given span, it is prolonged instead.
     pub(super) fn certify(&mut self, [from_s, now_s]: [f64; 2]) -> bool {
         self.spans_s.retain(|span_s| span_s[1] > now_s - self.keep_s);
         match self.spans_s.last_mut() {
@@ -41,7 +42,7 @@ impl CertifiedSlip {
         }
     }
 
-    /// Whether the wheels are left out in a part of this time span because they slipped.
+    /// Whether the wheel readings are left out in some part of the given time span because the wheels slipped.
     fn covers(&self, [from_s, to_s]: [f64; 2]) -> bool {
         self.spans_s.iter().any(|span_s| span_s[0] < to_s && from_s < span_s[1])
     }

@@ -7,17 +7,18 @@ use super::{MarkerId, N_CODED};
 pub enum Coding {
     /// All 4096 identities, as in the paper: no error is detected.
     Plain,
-    /// Lexicode of distance 4, as marker identities: 128 words, up to 3 wrong dots are detected.
+    /// Marker identities that are the words of the lexicode of distance 4 (any two differ in at least four dots): 128 identities, up to 3 wrong
+    /// dots are detected.
     Lexicode,
-    /// Marker identities that are 118 of the 132 hexads of the Steiner system S(5, 6, 12): six coded dots each, distance 4. Up to 3 wrong dots are
-    /// detected. If dots are only missing, or only added, as by dirt and covers, any number of them is detected. No word is the mirror image of
-    /// another word, so that a film pasted with the wrong side up is refused.
+    /// Marker identities that are 118 of the 132 hexads of the Steiner system S(5, 6, 12): six coded dots each, and any two differ in at least four
+    /// dots. Up to 3 wrong dots are detected. If dots are only missing, or only added, as by dirt and covers, any number of them is detected. No
+    /// identity's pattern is the mirror image of another identity's, so that a film pasted with the wrong side up is refused.
     #[default]
     Hexads,
 }
 
 impl Coding {
-    /// All identities of the set, in rising order.
+    /// All marker identities of this set, in rising order.
     pub fn identities(self) -> Vec<MarkerId> {
         let words = match self {
             Coding::Plain => (0..1 << N_CODED).collect(),
@@ -27,7 +28,7 @@ impl Coding {
         words.into_iter().map(MarkerId).collect()
     }
 
-    /// Whether each of the 4096 identities belongs to the set, one `bool` for each.
+    /// For each of the 4096 possible marker identities, whether it belongs to this set.
     pub fn table(self) -> Vec<bool> {
         let mut table = vec![false; 1 << N_CODED];
         self.identities().iter().for_each(|id| table[usize::from(id.0)] = true);
@@ -35,8 +36,8 @@ impl Coding {
     }
 }
 
-/// Lexicode: every word, in rising order, that differs from all accepted before it in at least `distance` bits (J. Conway, N. Sloane, IEEE Trans.
-/// Inf. Theory 32, 1986).
+/// Lexicode of 12-bit words: every word, in rising order, that differs from all accepted before it in at least `distance` bits (J. Conway, N.
+/// Sloane, IEEE Trans. Inf. Theory 32, 1986).
 fn lexicode(distance: u32) -> Vec<u16> {
     let mut words: Vec<u16> = Vec::new();
     for word in 0..1 << N_CODED {
@@ -47,15 +48,15 @@ fn lexicode(distance: u32) -> Vec<u16> {
     words
 }
 
-/// Of each code word and its mirror image the smaller one; words that are their own mirror images are left out.
+/// Leaves out words that are their own mirror image, and of two words that are mirror images of each other the greater one.
 fn without_mirror_images(words: Vec<u16>) -> Vec<u16> {
     let mirrored = |word: u16| MarkerId::from_dots(MarkerId(word).dots().map(|[i, j]| [j, i])).0;
     let is_kept = |word: &u16| mirrored(*word) > *word || !words.contains(&mirrored(*word));
     words.iter().copied().filter(|word| mirrored(*word) != *word && is_kept(word)).collect()
 }
 
-/// The code words called hexads: the images of {∞, 1, 3, 4, 5, 9} under z → z + 1, z → 3z and z → −1/z modulo 11; bit 11 stands for ∞ (J. Conway,
-/// N. Sloane, *Sphere Packings, Lattices and Groups*, chapter 11).
+/// The 132 words of 12 bits called hexads, six of them 1: all images of {∞, 1, 3, 4, 5, 9} under z → z + 1, z → 3z and z → −1/z modulo 11, applied
+/// repeatedly; bit 11 stands for ∞ (J. Conway, N. Sloane, *Sphere Packings, Lattices and Groups*, chapter 11).
 fn hexads() -> Vec<u16> {
     const P: u16 = 11;
     let inverse = |z: u16| (1..P).find(|other| z * other % P == 1).unwrap_or(P);
@@ -124,7 +125,8 @@ mod tests {
         for word in &words {
             assert!(words.iter().all(|other| other == word || other.0 & word.0 != other.0));
         }
-        // Unlike the hexads, the lexicode contains the word 0, which any marker becomes when all its coded dots are covered.
+        // Unlike the hexads, the lexicode contains the identity 0, without any coded dot, which any marker becomes when all its coded dots are
+        // covered.
         assert!(Coding::Lexicode.identities().contains(&MarkerId(0)));
     }
 

@@ -16,11 +16,11 @@ pub use coding::Coding;
 
 /// Number of dots along each side of a marker's grid.
 pub const GRID: u8 = 4;
-/// Distance between neighbouring dots of a marker.
+/// Distance between the centres of neighbouring dots in a marker's grid.
 pub const PITCH_M: f64 = 0.04;
 /// Radius of a marker's dot.
 pub const DOT_RADIUS_M: f64 = 0.01;
-/// Number of coded dots of a marker.
+/// Number of places of a marker's grid that encode its identity, by having a dot (a coded dot) or none.
 pub const N_CODED: u32 = 12;
 
 /// Place of a dot in a marker's grid, `[along x, along y]`, each 0 to 3.
@@ -59,7 +59,7 @@ impl MarkerId {
         (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j])).filter(move |place| self.has_dot(*place))
     }
 
-    /// The marker identity that coded dots at these places encode; direction dots count nothing.
+    /// The marker identity that coded dots at these places of the grid encode; direction dots among them add nothing.
     pub fn from_dots(places: impl IntoIterator<Item = GridPlace>) -> MarkerId {
         MarkerId(places.into_iter().filter_map(weight).fold(0, |id, weight| id | weight))
     }
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_papers_sample_spells_447_and_not_1782() {
-        // Erratum I1: the sum of W·Q with W as printed is 0x1BF = 447; the printed sum 1782 needs another W.
+        // Erratum I1 of paper 5: the sum of W·Q with the matrix W as printed is 0x1BF = 447; the printed sum 1782 needs another W.
         assert_eq!(printed([[0, 1, 0, 0], [1, 1, 1, 0], [1, 1, 1, 0], [0, 1, 0, 0]]), MarkerId(447));
         assert_eq!(printed([[0, 1, 1, 0], [1, 1, 0, 0], [0, 0, 1, 1], [0, 1, 1, 0]]), MarkerId(1782));
     }

@@ -3,8 +3,8 @@
 //! The method follows Zhou et al., *A high precision visual localization sensor and its working methodology for an indoor mobile robot*
 //! (2016). Where the paper solves for six degrees of freedom from three dots of one marker, here every dot of every marker bounds the
 //! planar pose: the tilt of the body and of the mount, the lens, the mount's position and the ceiling's height are known within declared
-//! intervals, and that is worth far more than what the 35 pixels of a marker's image tell about them (erratum I5). The paper's own method
-//! is in [`paper`].
+//! intervals, and that is worth far more than what a marker's image, 35 pixels wide, tells about them (erratum I5 in the project's list of
+//! the papers' errors). The paper's own method is in [`paper`].
 
 mod group;
 mod pairs;
@@ -56,7 +56,7 @@ pub const RELIES_ON: [Assumption; 16] = [
 ];
 
 /// Greatest number of markers of an image that are used. Those farthest from the middle of the picture are left out, because the number of
-/// ways to choose which markers are wrong grows quickly with the number of markers.
+/// ways to choose which markers are wrong (not as the map says) grows quickly with the number of markers.
 const MOST_MARKERS: usize = 8;
 
 /// Method that bounds the pose by coded markers on the ceiling; the module's page says how.
@@ -132,7 +132,8 @@ impl CeilingMarkers {
         })
     }
 
-    /// Markers found in the image, sorted by their distance from its middle, without markers whose identity was seen twice.
+    /// Markers found in the image, sorted by their distance from its middle, without markers whose identity was seen twice; at most
+    /// [`MOST_MARKERS`] of them, those nearest to the middle.
     fn unambiguous<'a>(&self, markers: &'a [SeenMarker], rejected_px: &mut Vec<[f64; 4]>) -> Vec<&'a SeenMarker> {
         let middle = self.camera.centre_px.map(Interval::mid);
         let distance = |marker: &SeenMarker| {
@@ -153,20 +154,21 @@ impl CeilingMarkers {
         kept
     }
 
-    /// Interval of the world x and y of a marker's dot. The placement error of the marker is not included.
+    /// Interval of the world x and y of one dot of a marker. The error of the marker's placement on the ceiling is not included.
     fn dot_in_world_m(&self, placed: &PlacedMarker, place: GridPlace) -> [Interval; 2] {
         let [x, y] = dot_in_marker_m(place).map(Interval::point);
         let rotation = Interval::point(placed.rotation_rad);
         let (cos, sin) = (rotation.cos(), rotation.sin());
         let turned = [x * cos - y * sin, x * sin + y * cos];
-        // The chord of a rotation is shorter than its arc, so the arc bounds a dot's displacement.
+        // If a marker is turned by a small angle, a dot moves along an arc. The straight distance that the dot moves is the arc's chord,
+        // which is shorter, so that radius times angle bounds it.
         let slack_m = (x.hypot(y) * self.map.rotation_tolerance_rad + self.map.print_m).hi();
         [0, 1].map(|axis| (turned[axis] + placed.centre_m[axis]).inflate(slack_m))
     }
 
-    /// Interval of the apparent heading minus the true heading. It holds the yaw error of the camera's mount, the turn about the vertical
-    /// that the mount's tilt error causes where it acts before the mount's known lean, and the difference between two definitions of a
-    /// leaning body's heading.
+    /// Interval of the apparent heading minus the true heading, where the apparent heading is that by the camera's nominal mount. It holds
+    /// the yaw error of the mount; the turn about the vertical that the mount's tilt error causes because it acts before the mount's known
+    /// lean; and the difference between two definitions of a leaning body's heading.
     fn yaw_error(&self) -> Interval {
         let yaw = self.camera.yaw_rad - Interval::point(self.camera.yaw_rad.mid());
         let lean_rad = Interval::point(self.camera.lean_rad[0]).hypot(Interval::point(self.camera.lean_rad[1])).hi();
@@ -174,8 +176,8 @@ impl CeilingMarkers {
             .inflate(heading_off_rad(self.robot.body.tilt_rad))
     }
 
-    /// Motion of the picture during an exposure: the ceiling's image shifts against the velocity (v, ω × m) of the camera, which is mounted
-    /// at m, and turns against the turn rate ω.
+    /// Motion of the picture during an exposure: the ceiling's image shifts against the camera's velocity v + ω × m, with v the robot's
+    /// velocity, ω its turn rate and m the camera's position on the robot, and turns against the turn rate ω.
     fn motion(&self, twist: &Twist, exposure_s: f64) -> PictureMotion {
         let [forward_m, left_m] = self.camera.position_m.map(Interval::mid);
         let speed = [twist.forward_m_per_s - twist.turn_rad_per_s * left_m, twist.turn_rad_per_s * forward_m];

@@ -1,10 +1,12 @@
 //! `floor_tiles`: a method that bounds the pose by the joints of a tiled floor, seen by a camera that looks straight down.
 //!
-//! The method follows Lv, Kang and Qin, *FVO: floor vision aided odometry* (2019), in a form without quadrants: a joint whose image has its
-//! normal at the angle ψ (robot frame, counter-clockwise from forward) and the distance ρ belongs to the family k with θ + ψ = k·π/2 + γ,
-//! and it implies for the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Each grid axis is contracted on its own. Which tile the robot
-//! is on and in which quadrant its heading lies stay open as a union of branches. Joints end at the walls: a branch from which most points
-//! of a line would lie outside the room is dropped.
+//! The method follows Lv, Kang and Qin, *FVO: floor vision aided odometry* (2019), in a form without quadrants. Let the pose have the
+//! position P and the heading θ, and the camera the position a in the robot frame. A joint whose image has its normal at the angle ψ (robot
+//! frame, counter-clockwise from forward) and the distance ρ from the camera belongs to the family k with θ + ψ = k·π/2 + γ, and it implies
+//! for the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Here n is the unit vector at an angle, γ the angle of the tile grid in the
+//! world, E the distance between joints, phase the grid coordinate of joint 0, and ℤ the whole numbers. Each grid axis is contracted on its
+//! own. Which tile the robot is on and in which quadrant its heading lies stay open as a union of branches, each a box of poses. Joints end
+//! at the walls: a branch from which most points of a line would lie outside the room is dropped.
 //!
 //! All of this holds for the picture of a pinhole with a global shutter. The distortion of the lens is taken out of the image before lines
 //! are looked for, and the errors that lens and row-by-row exposure leave widen the bounds of the lines' points.
@@ -50,13 +52,14 @@ pub const RELIES_ON: [Assumption; 14] = [
     bounds::ROOM_WALLS,
 ];
 
-/// Chain of image operations that finds joints in an image of the floor.
+/// Chain of image operations that finds joints between tiles in an image of the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chain {
-    /// The project's own chain to find joints: ridge points, one vote for both families of joints, matched filters across each line.
+    /// The project's own chain to find joints: points on dark or light ridges of the image, one vote of these points for the lines of both
+    /// families of joints, and matched filters across each line.
     #[default]
     Direct,
-    /// The paper's chain to find joints: deconvolution, Canny, skeleton, pruning, Hough, clustering.
+    /// The chain of Lv, Kang and Qin (2019) to find joints: deconvolution, Canny, skeleton, pruning, Hough, clustering.
     Paper,
 }
 
@@ -69,7 +72,7 @@ pub struct FloorTiles {
     chain: Chain,
 }
 
-/// Declared values that turn a line in the image into a statement about the pose.
+/// Declared geometry of robot, camera, tile grid and room, by which a line in a floor image becomes a statement about the robot's pose.
 #[derive(Clone, Debug)]
 struct Geometry {
     robot: RobotModel,
@@ -79,7 +82,7 @@ struct Geometry {
 }
 
 impl Geometry {
-    /// Middle of the picture in pixels, which is taken as the principal point.
+    /// Middle of the floor camera's picture in pixels, which is taken as the principal point.
     fn principal_point_px(&self) -> [f64; 2] {
         [self.camera.width_px, self.camera.height_px].map(|size_px| (f64::from(size_px) - 1.0) / 2.0)
     }
@@ -121,15 +124,17 @@ impl FloorTiles {
         for line in lines {
             let mut points = line.points_px.clone();
             let open_px = self.optics.left_open_px(&line.points_px, line.share_wrong, &self.geometry);
-            // A line with a point that the declared errors may put anywhere says nothing about the pose.
+            // If the declared errors of lens and row-by-row exposure may put a point of a line anywhere, the line says nothing about the
+            // pose.
             let Some(open_px) = open_px else { continue };
             points.iter_mut().zip(&open_px).for_each(|(point, open_px)| point[2] += straightness_px + open_px);
             let most_open_px = open_px.into_iter().fold(0.0, f64::max);
             let set = line_fit::enclose(&points, line.share_wrong);
             let joint = set.and_then(|set| Joint::new(set, &line, most_open_px, &self.geometry));
             let Some(joint) = joint else { continue };
-            // Eq. (20): the paper drops a line that no heading of the odometric prior explains. Lines of the direct chain are already known
-            // to be orthogonal and at the tiles' pitch, so that a line which contradicts the prior is evidence against the prior.
+            // Eq. (20) of the paper (Lv, Kang and Qin 2019) drops a line that no heading of the odometric prior explains. Lines of the
+            // project's own chain are already known to be orthogonal and at the tiles' pitch, so that a line which contradicts the prior is
+            // evidence against the prior and is kept.
             if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {
                 rejected_px.push(ends(&line.points_px));
                 continue;
@@ -150,7 +155,8 @@ impl FloorTiles {
             claims,
             quota: Quota::of_each(self.view.q_items),
             rejected_px: rejected_px.into_iter().map(|segment| self.optics.segment_as_taken(segment)).collect(),
-            // The joints of one family leave the position along them open, but the joints in the many images of a period of doubt do not.
+            // Parallel joints between tiles leave the position along them open, but the joints in the many images during a doubt about a
+            // failed assumption do not. So every image counts as evidence to end the doubt.
             decides: true,
             alone_heading_rad: None,
         })
@@ -158,7 +164,8 @@ impl FloorTiles {
 
     /// Motion of the picture at its centre during an exposure, or any other time, in pixels right and down.
     ///
-    /// The floor passes under the camera against the camera's own velocity (v, ω·a_f); image up is forward, image right is right.
+    /// The floor passes under the camera against the camera's own velocity (v − ω·a_l, ω·a_f), forward and left, with v the robot's speed,
+    /// ω its turn rate and the camera at a_f forward and a_l left of the robot origin; image up is forward, image right is right.
     fn blur_px(&self, twist: &Twist, exposure_s: f64) -> [f64; 2] {
         let [forward_m, left_m] = self.geometry.camera.position_m.map(Interval::mid);
         let speed = [twist.forward_m_per_s - twist.turn_rad_per_s * left_m, twist.turn_rad_per_s * forward_m];

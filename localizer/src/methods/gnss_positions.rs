@@ -1,13 +1,13 @@
 //! `gnss_positions`: a method that bounds the pose by positions of an antenna on the robot, as a satellite navigation receiver reports
 //! them.
 //!
-//! **Constraint.** a = t + R(θ) b. Here a is the antenna in the world, within the receiver's declared error of the reported position, and b
-//! is the antenna on the robot, within the accuracy to which it was measured and the shift that the body's lean causes. One position bounds
-//! x and y, and with a lever arm b ≠ 0 bounds the heading to an arc.
+//! **Constraint.** a = t + R(θ) b, with t the robot's position and θ its heading. Here a is the antenna in the world, within the receiver's
+//! declared error of the reported position, and b is the antenna on the robot, within the accuracy to which it was measured and the shift
+//! that the body's lean causes. One position bounds x and y, and with a lever arm b ≠ 0 bounds the heading to an arc.
 //!
-//! Positions of the last seconds are held. With the motion (m, δ) since a held position, the antenna of that time lies at R(−δ)(b − m) as
-//! seen from the robot at the latest stamp, and in the world where the receiver reported it: another landmark of the same rigid motion. In
-//! this way the path between positions tells the heading.
+//! Positions of the last seconds are held. With the robot's motion since a held position, a displacement m and a turn δ, the antenna of
+//! that time lies at R(−δ)(b − m) as seen from the robot at the latest stamp, and in the world where the receiver reported it: another
+//! landmark of the same rigid motion. In this way the path between positions tells the heading.
 //!
 //! A receiver says of each position whether its ambiguities are resolved (*fixed*) or not (*floating*), and each of the two grades has a
 //! bound of its own.
@@ -29,7 +29,7 @@ use crate::{
 /// Name of the satellite navigation receiver as a device whose readings the method uses.
 pub const DEVICE: &str = "gnss";
 
-/// Declared bounds that every constraint relies on, besides the bound of its position's grade (fixed or floating).
+/// Declared bounds that every constraint from satellite positions relies on, besides the bound of the position's grade (fixed or floating).
 const RELIES_ON: [Assumption; 5] =
     [bounds::GNSS_ANTENNA, bounds::GNSS_STAMP, bounds::BODY_TILT, bounds::REACH_SPEED, bounds::REACH_TURN_RATE];
 
@@ -40,20 +40,20 @@ pub struct ReceiverModel {
     pub position_m: [Interval; 2],
     /// Height of the receiver's antenna above the floor.
     pub height_m: f64,
-    /// Greatest error of either coordinate of a fixed position, `gnss.fixed`.
+    /// Greatest error of either coordinate of a satellite position with resolved ambiguities (fixed), `gnss.fixed`.
     pub fixed_m: f64,
-    /// Greatest error of either coordinate of a floating position, `gnss.floating`.
+    /// Greatest error of either coordinate of a satellite position without resolved ambiguities (floating), `gnss.floating`.
     pub floating_m: f64,
-    /// Greatest error of a position's stamp, `gnss.stamp`.
+    /// Greatest error of a satellite position's stamp, `gnss.stamp`.
     pub stamp_error_s: f64,
 }
 
 /// Position that a satellite navigation receiver reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position {
-    /// World x and y of the antenna.
+    /// World x and y of the antenna, as the receiver reports them.
     pub at_m: [f64; 2],
-    /// Whether the carrier-phase ambiguities of the position are resolved.
+    /// Whether the carrier-phase ambiguities of the satellite position are resolved.
     pub is_fixed: bool,
 }
 
@@ -71,12 +71,14 @@ impl Position {
     }
 }
 
-/// Least time between two positions that are held: positions next to each other say the same.
+/// Least time between two satellite positions that are held for use with later ones: positions that are closer in time say the same about
+/// the pose.
 const APART_S: f64 = 0.3;
-/// Greatest number of positions that are held. The memory of motion is some 3 s long.
+/// Greatest number of satellite positions that are held. They are carried by remembered motion readings, which reach back some 3 s.
 const MOST_HELD: usize = 10;
-/// Time for which floating positions have similar errors, by reflections and by the atmosphere, so that they are no independent witnesses.
-/// The errors wander within seconds to minutes; scenes draw them anew every 5 s.
+/// Time for which the errors of floating positions are similar, by reflections and by the atmosphere, so that two positions within it do
+/// not count as two independent pieces of evidence when a doubt is to be ended. The errors wander within seconds to minutes; scenes draw
+/// them anew every 5 s.
 const FLOATING_ALIKE_S: f64 = 5.0;
 
 /// Method that bounds the pose by positions of a satellite navigation receiver; the module's page says how.
@@ -85,7 +87,7 @@ pub struct GnssPositions {
     receiver: ReceiverModel,
     robot: RobotModel,
     held: VecDeque<Held>,
-    /// Stamp of the last floating satellite position that counted as an independent witness.
+    /// Stamp of the last floating satellite position that counted as evidence independent of those before it.
     floating_witness_s: f64,
 }
 
@@ -105,8 +107,8 @@ impl GnssPositions {
         GnssPositions { receiver, robot: robot.clone(), held: VecDeque::new(), floating_witness_s: f64::NEG_INFINITY }
     }
 
-    /// Interval of the antenna's place in the robot frame, seen from above: a body that leans by up to φ shifts it by up to h·sin φ to any
-    /// side, and foreshortens its lever arm b by up to |b|·(1 − cos φ).
+    /// Interval of the antenna's place in the robot frame, seen from above: a body that leans by up to φ shifts the antenna, at the height
+    /// h, by up to h·sin φ to any side, and foreshortens its lever arm b by up to |b|·(1 − cos φ).
     fn antenna_m(&self) -> [Interval; 2] {
         let lean = Interval::new(0.0, self.robot.body.tilt_rad);
         let [forward, left] = self.receiver.position_m;
@@ -116,7 +118,7 @@ impl GnssPositions {
         [forward + beside, left + beside]
     }
 
-    /// Greatest distance that the antenna may move within the greatest error of a stamp, as an interval around 0.
+    /// Greatest distance that the antenna may move within the greatest error of a satellite position's stamp, as an interval around 0.
     fn moved_m(&self) -> Interval {
         let [forward, left] = self.antenna_m();
         let lever = Interval::point(forward.magnitude()) + Interval::point(left.magnitude());
@@ -137,7 +139,8 @@ impl Method for GnssPositions {
 
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
         let antenna_m = self.antenna_m();
-        // A held position that the memory of motion does not reach is dropped, and so is one with a stamp that is not before the new one.
+        // A held position is dropped if the remembered motion readings do not reach back to its stamp, or if its stamp is not before that
+        // of the new position.
         self.held.retain_mut(|held| {
             let Some(moved) = motion(held.stamp_s, stamp_s).filter(|moved| held.stamp_s < stamp_s && !moved.is_empty())
             else {
@@ -184,17 +187,19 @@ impl Method for GnssPositions {
             by_itself: (landmarks.len() > 1).then(|| Box::new(RigidPlanar::new(&landmarks[..1])) as Box<_>),
             on_pose: Box::new(RigidPlanar::new(&landmarks)),
             relies_on,
-            // Claims are about what vision sees. A position has none: it is wrong only where its error exceeds the declared bound.
+            // Claims are assertions of what a camera saw, so that a satellite position has none: it is wrong only where its error exceeds
+            // the declared bound.
             claims: Vec::new(),
             quota: Quota::of_each(0),
-            // A single position leaves the heading open, but the many positions during a doubt do not.
+            // A single position leaves the heading open, but the many positions during a doubt about a failed assumption do not. So a
+            // position counts as evidence to end the doubt, unless it is floating and soon after another.
             decides: !is_alike,
             rejected_px: Vec::new(),
             alone_heading_rad: None,
         })
     }
 
-    /// Drops all held positions, because they were carried by motion that is doubted.
+    /// Drops all held positions, because the robot's motion by which they were carried may be false.
     fn forget_since(&mut self, _since_s: f64) {
         self.held.clear();
     }

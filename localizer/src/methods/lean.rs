@@ -41,11 +41,12 @@ pub(super) fn twist_of_tipped_rad(lean_rad: f64, tipped_rad: f64) -> f64 {
 /// direction, and the normal's elevation ε, tan ε = ρ, the distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeaningPlane {
-    /// Greatest |ρ| of the line as seen: its distance from the point below the camera over the camera's height.
+    /// Greatest |ρ| of the floor line as seen: its distance from the floor point below the camera, divided by the camera's height.
     slope: Interval,
     mount: Lean,
     body: Lean,
-    /// Greatest elevation of the plane's normal: `mounted_rad` after the mount's lean, `leaning_rad` after the leans of mount and body.
+    /// Greatest elevation of the normal of the plane through the optical centre and the floor line: `mounted_rad` after the mount's lean,
+    /// `leaning_rad` after the leans of mount and body.
     mounted_rad: Interval,
     leaning_rad: Interval,
 }
@@ -87,17 +88,19 @@ impl LeaningPlane {
         (leaning_rad.cos().lo() > 0.0 && leaning_rad.hi() < Interval::PI.lo() * 0.5).then_some(plane)
     }
 
-    /// Greatest angle, seen from above, between the floor line and the direction that its image gives.
+    /// Greatest angle, seen from above, by which the leans turn the floor line's direction against the direction that its image gives.
     pub(super) fn turn_rad(&self) -> Option<f64> {
         Some((self.mount.turn(self.slope)? + self.body.turn(self.mounted_rad.tan())?).hi())
     }
 
-    /// Greatest shift of the floor line, along its own normal, against what its image gives: n(ψ′)·P − n(ψ′)·a − ρ·h. The camera is at the
+    /// Greatest shift of the floor line, along its own normal, against what its image gives: n(ψ′)·P − n(ψ′)·a − ρ·h, with P a point of the
+    /// line, n(ψ′) the line's unit normal on the floor, and ρ the line's distance in camera heights by its image. The camera is at the
     /// height h and at the level distance a from the origin of a body that leans about that origin and rises or sinks by up to `heave_m`.
     ///
-    /// Let the plane's normal be N after the mount's lean and N′ after both leans, with elevations e and e′. The line lies at (N·(a, h) +
-    /// N′·z heave)/|N′ level|. Less n(ψ′)·a and ρ·h that leaves (N − N′)·a, at most |a|·(sin e·sin λ + cos e·(1 − cos λ))/cos e′ for a
-    /// body's lean of λ; then h·(tan e − tan ε), and h·sin e·(1/cos e′ − 1/cos e), which grow with e and e′; and tan e′·heave.
+    /// Let the normal of the plane through camera and line be N after the mount's lean and N′ after both leans, with elevations e and e′.
+    /// The line lies at (N·(a, h) + N′·z heave)/|N′ level|. Less n(ψ′)·a and ρ·h that leaves (N − N′)·a, at most |a|·(sin e·sin λ + cos
+    /// e·(1 − cos λ))/cos e′ for a body's lean of λ; then h·(tan e − tan ε), with tan ε = ρ, and h·sin e·(1/cos e′ − 1/cos e), which grow
+    /// with e and e′; and tan e′·heave.
     pub(super) fn shift_m(&self, height_m: f64, arm_m: f64, heave_m: f64) -> f64 {
         let (sin, cos) = (self.mounted_rad.sin(), self.mounted_rad.cos());
         let leaning_cos = self.leaning_rad.cos();
@@ -111,9 +114,9 @@ impl LeaningPlane {
 /// Bounds on how far leans of the camera's mount and of the body shift a point of the floor that the camera sees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeaningSight {
-    /// Greatest distance of the floor point from the point below the camera, with the mount's lean included.
+    /// Greatest distance of the seen floor point from the point below the camera, with the shift by the mount's lean included.
     pub(super) distance_m: Interval,
-    /// Greatest shift of the floor point by the mount's lean.
+    /// Greatest shift of the seen floor point by the lean of the camera's mount.
     pub(super) by_mount_m: Interval,
     body: Lean,
     height_m: f64,
@@ -139,9 +142,10 @@ impl LeaningSight {
     /// below the camera. The point is up to `arm_m` from the robot origin. A heading defined by the forward axis adds a turn of up to
     /// [`heading_off_rad`], which is included.
     ///
-    /// With the body the point q moves to q′: seen from above |q′ − q| ≤ |q|·(1 − cos λ), and q′ is up to |q|·sin λ + heave high. From
-    /// there it is carried along its ray back to the floor: while the ray falls by at least h·cos λ − p·sin λ, it moves sideways by at most
-    /// along + h·sin λ + p·(1 − cos λ).
+    /// Let q be the floor point from the robot origin and p its distance from the point below the camera. With the body the point q moves
+    /// to q′: seen from above |q′ − q| ≤ |q|·(1 − cos λ), and q′ is up to |q|·sin λ + heave high. From there it is carried along its ray
+    /// back to the floor: while the ray falls by at least h·cos λ − p·sin λ, it moves sideways by at most along + h·sin λ + p·(1 − cos λ),
+    /// where along is `along_m` with the shift by the mount's lean.
     pub(super) fn by_body_m(&self, along_m: f64, arm_m: f64, heave_m: f64) -> f64 {
         let Lean { angle_rad, sin, cos } = self.body;
         let bent = 1.0 - cos;

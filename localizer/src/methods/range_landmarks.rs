@@ -1,25 +1,25 @@
-//! `range_landmarks`, after paper 3: bounds the pose by coded landmarks whose places no map gives.
+//! `range_landmarks`, after paper 3 (Mustafa et al., CSCS 2015): bounds the pose by coded landmarks whose places no map gives.
 //!
-//! **Constraint.** A landmark at a in the world and at b in the robot frame has a = t + R(θ)·b, Eq. (16) turned around. The world frame is
-//! that of the start pose: the first reading says where the landmarks are, and each later pose is solved against the landmarks, never
-//! against the pose before. The box of a landmark's place only ever shrinks, so that poses stay as narrow as their own view of the
-//! landmarks allows, however long the drive.
+//! **Constraint.** A landmark at a in the world and at b in the robot frame has a = t + R(θ)·b, with t the robot's position and θ its
+//! heading: the paper's Eq. (16) solved for a. The world frame is that of the start pose: the first reading says where the landmarks are,
+//! and each later pose is solved against the landmarks, never against the pose before. The box of a landmark's place only ever shrinks, so
+//! that poses stay as narrow as their own view of the landmarks allows, however long the drive.
 //!
 //! **Soundness.** A landmark's box is the intersection of t + R(θ)·b over boxes that contain the true t, θ and b.
 //!
 //! **Wrong correspondences.** At most `q_items` sightings of a reading are attributed to the wrong landmark: the pose set is what all but
 //! that many sightings allow. The place of a landmark is learnt from windows of `wrong_spacing + 1` consecutive sightings with its code, of
-//! which at most one is wrong, hence from their 1-relaxed intersection. A sighting that says nothing, because the landmark may be at
-//! infinity, counts as one that allows every place; a reading that is not learnt from ends all windows. Consecutive means measured one
-//! after the other, in whatever order the readings arrive (`in_order`). With a `wrong_spacing` of 0 every sighting may be wrong, and no
-//! landmark is ever learnt.
+//! which at most one is wrong, hence from their 1-relaxed intersection: the places that all but one sighting allow. A sighting that says
+//! nothing, because the landmark may be at infinity, counts as one that allows every place; a reading that is not learnt from ends all
+//! windows. Consecutive means measured one after the other, in whatever order the readings arrive (`in_order`). With a `wrong_spacing` of 0
+//! every sighting may be wrong, and no landmark is ever learnt.
 //!
 //! **Contradiction.** As long as the declared bounds hold, the place learnt before and the place learnt from the latest window overlap,
 //! whichever of the matches are wrong. Where they do not overlap, nothing of the reading is learnt, and the localizer is notified.
 //!
-//! **Loop closure.** Key frames keep raw sightings and the motion from each frame to the next. A sweep contracts the pose of each frame by
-//! all landmarks and by its neighbouring frames, and the landmarks by the poses: what is known at the end of a loop reaches the loop's
-//! middle.
+//! **Loop closure.** Key frames are readings from along the drive, kept as raw sightings with the robot's motion from each frame to the
+//! next. A sweep contracts the pose of each frame by all landmarks and by its neighbouring frames, and the landmarks by the poses: what is
+//! known at the end of a loop reaches the loop's middle.
 //!
 //! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
 
@@ -75,18 +75,18 @@ pub struct RangeLandmarks {
     solver: Solver,
     atlas: Atlas,
     keyframes: KeyFrames,
-    /// Reading of landmarks for which a constraint was made last, until it is learnt from.
+    /// Range reading for which a constraint was made last, until landmarks are learnt from it.
     latest: Option<Latest>,
     /// Readings of landmarks that wait until all readings measured before them have been handled.
     in_order: InOrder,
-    /// Whether, since the localizer last inquired, a reading contradicted what was known about the landmarks.
+    /// Whether, since the localizer last asked for contradictions, a reading contradicted what was known about the landmarks.
     contradicts: bool,
     /// Landmarks seen in recent readings, with their stamps, from which constraints can be made anew.
     recent: VecDeque<(f64, Vec<Seen>)>,
     n_learnt: usize,
 }
 
-/// Reading for which a constraint has just been made.
+/// Reading for which a constraint was made last, kept until landmarks are learnt from it.
 struct Latest {
     stamp_s: f64,
     arrived_s: f64,
@@ -96,7 +96,8 @@ struct Latest {
 /// Time for which readings are kept so that their constraints can be made anew: longer than the localizer remembers stamps.
 const RECENT_S: f64 = 4.0;
 
-/// Number of readings between two sweeps over the key frames.
+/// Number of readings learnt from between two sweeps over the key frames, which are readings kept from along the drive. A sweep narrows
+/// their poses and the landmarks' places by each other.
 const SWEEP_EVERY: usize = 10;
 
 impl RangeLandmarks {
@@ -125,7 +126,8 @@ impl RangeLandmarks {
         }
     }
 
-    /// Ends all windows of consecutive sightings with a landmark's code, because a reading is missing from the sequence.
+    /// Ends all windows of consecutive sightings, because a reading is missing from the sequence. A window is a number of consecutive
+    /// sightings with one landmark's code, of which at most one is wrong.
     fn interrupt(&mut self) {
         self.atlas.interrupt();
         self.keyframes.interrupt();
@@ -236,7 +238,7 @@ impl Method for RangeLandmarks {
     }
 }
 
-/// Hull of a landmark's places in the world, as seen from every branch of a union of pose boxes.
+/// Hull of a landmark's possible places in the world, given where it is seen in the robot frame and a union of boxes for the robot's pose.
 fn in_world(poses: &PoseUnion, seen: &Seen) -> [Interval; 2] {
     poses.branches.iter().fold([Interval::EMPTY; 2], |hull, pose| {
         let place = seen.in_world(pose);

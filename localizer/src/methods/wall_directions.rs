@@ -1,15 +1,16 @@
-//! `wall_directions`: a method that bounds the heading modulo quarter turns by level edges of walls, ceilings, doors and shelves, seen by a
-//! camera that looks ahead.
+//! `wall_directions`: a method that bounds the heading modulo quarter turns by level edges of walls, ceilings, doors and shelves, seen by a camera
+//! that looks ahead.
 //!
-//! The method follows Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets
-//! in place of points. An edge whose ends are claimed to a bound, and whose level direction is seen at φ, implies θ ∈ α + k·π/2 − φ for one
-//! of the building's directions α and some k. This is the paper's nearest k, but without a gate, as every k that the prior allows is kept.
+//! The method follows Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets in place
+//! of points. An edge whose ends in the image are claimed within a bound, and whose level direction is seen at the angle φ from robot forward,
+//! implies for the heading θ ∈ α + k·π/2 − φ, for one of the building's directions α and some whole number k. The paper takes the nearest k within a
+//! gate; here every k is kept that the prior, the pose known before the image, allows.
 //!
-//! At most q of an image's edges may run along none of the directions, and only few of the last [`IMAGES_APART`] images may have more such
-//! edges: how many is declared ([`Quotas`]). The lean of robot and camera turns all edges of an image, each by another angle. Where the
-//! building's edges are sharp, the lean is solved for together with the heading, and the edges of the last [`IMAGES`] images are counted
-//! together: a declared number of them may be wrong, in a declared number of images. Directions that no map gives are learnt as intervals,
-//! as wide as the interval of the heading was when they were seen.
+//! At most q of an image's edges may run along none of the directions, and only few of the last [`IMAGES_APART`] images may have more such edges: how
+//! many is declared ([`Quotas`]). The lean of robot and camera turns the directions of all edges of an image, each by another angle. Where the
+//! building's edges are sharp, the lean is solved for together with the heading, and the edges of the last [`IMAGES`] images are counted together: a
+//! declared number of them may be wrong, in a declared number of images. Directions that no map gives are learnt as intervals, as wide as the
+//! interval of the heading was when they were seen.
 
 mod agreement;
 mod distinct;
@@ -55,39 +56,39 @@ pub const RELIES_ON: [Assumption; 9] = [
     bounds::WALL_DIRECTIONS_DIRECTION,
     bounds::WALL_DIRECTIONS_ASKEW,
 ];
-/// Number of images whose edges are held together, carried by the robot's motion between the images.
+/// Number of latest images whose edges are evaluated together; they are carried by the robot's motion between the images.
 pub const IMAGES: usize = 20;
-/// Number of images that are held where the edges of an image do not determine the lean together.
+/// Number of latest images that are held where the edges of one image are not used to solve for the lean of robot and camera.
 pub const IMAGES_APART: usize = 10;
-/// Least number of level edges for an image to be used: where a view shows one or two edges, it shows them for many images, and if they are
-/// wrong, all those images are wrong together.
+/// Least number of level edges for an image to be used: where a view shows one or two edges, it shows them for many images, and if they run along no
+/// direction of the building, all those images are wrong together.
 const FEWEST_LINES: usize = 3;
 /// Least number of edges in all images held for the edges to be counted together.
 const FEWEST_HELD: usize = 20;
-/// Factor on the bound of an edge's ends where edges count image by image, as fewer of them may then be wrong: the bound is then 0.12 px
-/// and 3 σ.
+/// Factor on the bound of an edge's ends where wrong edges are counted image by image. Fewer edges may then be wrong, so that the bound is wider:
+/// 0.12 px plus 3 standard deviations of the error that image noise gives the ends.
 const APART_BOUNDS: f64 = 1.2;
-/// Share of an edge's motion across itself during the exposure by which its ends may be off, because other edges blur into the edge.
+/// Share of an edge's motion across itself during the exposure that is added to the bound on its ends, because other edges blur into the edge.
 const BLUR_SHARE: f64 = 0.25;
-/// Greatest distance between the prior's headings and the heading that an edge implies: an edge that implies a heading farther off is
-/// clutter, and no claim is made of it.
+/// Greatest angle between the headings that the prior (the pose known before the image) allows and the heading that an edge implies. An edge that
+/// implies a heading farther off is taken for clutter, which runs along no wall, and no claim is made of it.
 const CLUTTER_RAD: f64 = 0.0524;
-/// Greatest distance between the prior's headings and the headings that edges may imply where fewer than [`FEWEST_LINES`] edges are within
-/// [`CLUTTER_RAD`]: there the prior itself may be wrong.
+/// Greatest angle between the headings that the prior (the pose known before the image) allows and those that edges may imply, where fewer than
+/// [`FEWEST_LINES`] edges imply headings within [`CLUTTER_RAD`]: there the prior itself may be wrong.
 const FAR_RAD: f64 = 0.1745;
-/// Least number of edges that imply headings within [`FAR_RAD`] of the prior's for these edges to be used.
+/// Least number of edges that imply headings within [`FAR_RAD`] of the prior's (those known before the image) for these edges to be used.
 const FEWEST_FAR: usize = 5;
-/// Distance that the robot must have moved since the last image held for a new image to be used: an image from the same place shows the
-/// same edges, the wrong ones too, and says nothing new.
+/// Distance that the robot must have moved since the last image that is held for a new image to be used: an image from the same place shows the same
+/// edges, the wrong ones too, and says nothing new.
 const NEW_PLACE_M: f64 = 0.03;
-/// Angle that the robot may instead have turned since the last image held for a new image to be used.
+/// Angle that the robot must have turned since the last image that is held for a new image to be used, if it has not moved far enough.
 const NEW_PLACE_RAD: f64 = 0.05;
 /// Least number of agreeing edges from which a new direction of the building is learnt.
 const FEWEST_TO_LEARN: usize = 5;
-/// Greatest width of a direction of the building that is learnt, and least distance from every direction that is known.
+/// Greatest width of the interval for a building's direction that is learnt, and least angle between it and every direction that is known.
 const NEW_DIRECTION_RAD: f64 = 0.087;
-/// Distance from every known direction beyond which a direction that no map gives is surely learnt: the width to which it has to be known
-/// plus the least distance between directions. A direction nearer than that may be taken for the known one.
+/// Angle from every known direction of the building beyond which a direction that no map gives is surely learnt: the greatest width of its interval
+/// for it to be learnt, plus the least angle to known directions. A direction nearer than that may be taken for the known one.
 pub const LEARNT_APART_RAD: f64 = 2.0 * NEW_DIRECTION_RAD;
 
 /// Settings of the wall-direction method: how images are evaluated, and whether directions are learnt.
@@ -95,15 +96,16 @@ pub const LEARNT_APART_RAD: f64 = 2.0 * NEW_DIRECTION_RAD;
 pub struct Setup {
     /// Chain of image operations that finds level edges.
     pub chain: Chain,
-    /// Whether the lean of the body is solved for from the edges of an image together.
+    /// Whether the lean of robot and camera is solved for from all edges of an image together.
     pub solves_lean: bool,
-    /// Whether long edges on the floor run along walls of this building.
+    /// Whether the method may assume that long edges on the floor run along walls of this building.
     pub floor_edges: bool,
     /// Whether the building may have directions that the map does not give.
     pub learns: bool,
-    /// Whether images of walls may end a doubt; meant for a localizer in which no other method tells more than these images.
+    /// Whether images of walls may end a doubt about a failed assumption; meant for a localizer in which no other method says more about the pose
+    /// than these images.
     pub decides: bool,
-    /// Quotas of image edges that may be wrong.
+    /// Declared quotas: how many image edges may be wrong, running along none of the building's directions.
     pub quotas: Quotas,
 }
 
@@ -113,9 +115,10 @@ pub enum Chain {
     /// The project's own chain to find level edges: [`forward::detect`].
     #[default]
     Direct,
-    /// The paper's chain, up to the segments that agree with the vanishing points that it finds.
+    /// The chain of Yi, Lee and Cho (2018), which equalises the histogram of the whole picture, up to the segments that agree with the vanishing
+    /// points that it finds.
     Paper,
-    /// The paper's chain with CLAHE, which equalises the histogram tile by tile.
+    /// The chain of Yi, Lee and Cho (2018) with CLAHE, which equalises the histogram tile by tile instead of over the whole picture.
     PaperByTiles,
 }
 
@@ -128,7 +131,8 @@ pub struct WallDirections {
     solves_lean: bool,
     floor_edges: bool,
     quotas: Quotas,
-    /// Greatest width of the direction of an image edge, for a known lean, with which the edge is used.
+    /// Greatest width of the interval of an image edge's direction with which the edge is used. The interval is computed for a known lean of robot
+    /// and camera, from the errors of the edge's ends alone.
     widest_rad: f64,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
@@ -189,13 +193,13 @@ impl WallDirections {
         }
     }
 
-    /// Wall-direction method for a building where long edges on the floor run along walls, with the lean solved for from the edges of an
-    /// image together.
+    /// The same wall-direction method for a building where long edges on the floor run along walls; it solves for the lean of robot and camera from
+    /// all edges of an image together.
     pub fn with_floor_edges_and_lean(self) -> Self {
         WallDirections { floor_edges: true, solves_lean: true, ..self }
     }
 
-    /// Wall-direction method with other quotas of image edges that may be wrong.
+    /// The same wall-direction method with other quotas, which say how many image edges may be wrong.
     pub fn with_quotas(self, quotas: Quotas) -> Self {
         WallDirections { quotas, ..self }
     }
@@ -219,7 +223,7 @@ impl WallDirections {
         };
         let Told { agreement, is_upright } = posture::told(&planes(&edges.level), &planes(&edges.upright), &view);
         let n_level = agreement.len();
-        // Headings that all but q of this image's own edges allow.
+        // Headings that this image's own edges allow when as many of the edges are wrong as the quota of one image declares.
         let own =
             agreement.get((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1)).into_iter().flatten();
         let alone = if n_level < FEWEST_LINES { Interval::EMPTY } else { own.fold(Interval::EMPTY, |a, b| a.hull(*b)) };
@@ -230,8 +234,8 @@ impl WallDirections {
         if !alone.is_empty() {
             self.seen.push_back(Seen { stamp_s, agreement, moved: still() });
         } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
-            // The edges are too few, or agree on no heading near the prior's. In the second case more of them are wrong than declared, and
-            // it is recorded for how many images that is so.
+            // The edges are too few, or agree on no heading near those known before the image. In the second case more edges are wrong than the quota
+            // declares, and it is counted in how many of the latest images that is so.
             return self.certificates.are_too_many.then(|| self.silent(stamp_s, edges.rejected_px));
         }
         if self.seen.len() > if self.solves_lean { IMAGES } else { IMAGES_APART } {
@@ -244,10 +248,10 @@ impl WallDirections {
         Some(Constraint {
             method: self.name(),
             stamp_s,
-            // Images that rule out no heading agree with anything, so they end no doubt.
+            // Images whose edges rule out no heading agree with any pose, so they are no evidence to end a doubt about a failed assumption.
             decides: self.decides && held.says_something(),
             on_pose: Box::new(held),
-            // A single image may have too many wrong edges, so that it says nothing without the other images held.
+            // In a single image more edges may be wrong than its quota declares, so that it says nothing without the other images held.
             by_itself: Some(Box::new(WallHeadings::silent())),
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
@@ -257,12 +261,12 @@ impl WallDirections {
         })
     }
 
-    /// Length of a sequence of images, and the greatest number of images in it that may have too many wrong edges.
+    /// Length of the sequence of latest images, and the greatest number of them that may have more wrong edges than the quota of one image.
     fn most_spoilt(&self) -> [usize; 2] {
         if self.solves_lean { [IMAGES, self.quotas.spoilt_images] } else { [IMAGES_APART, self.quotas.images] }
     }
 
-    /// Constraint that rules nothing out, which makes the localizer inquire whether there is a contradiction.
+    /// A constraint that rules out no pose. It is returned instead of `None` so that the localizer checks whether the method has met a contradiction.
     fn silent(&self, stamp_s: f64, rejected_px: Vec<[f64; 4]>) -> Constraint {
         Constraint {
             method: self.name(),
@@ -278,7 +282,7 @@ impl WallDirections {
         }
     }
 
-    /// Headings that the images held allow together.
+    /// Headings that the edges of all images held allow together, within the declared quotas of wrong edges.
     fn headings_held(&self) -> WallHeadings {
         if self.solves_lean {
             return WallHeadings::of_edges(self.seen.iter().map(|seen| seen.now().collect()).collect(), &self.quotas);
@@ -290,7 +294,7 @@ impl WallDirections {
         WallHeadings::of_images(self.seen.iter().map(of_image).collect(), &self.quotas)
     }
 
-    /// Whether the robot is at another place than at the last image held.
+    /// Whether the robot has moved or turned far enough since the last image held for a new image to be used.
     fn is_new_place(&self) -> bool {
         self.seen.back().is_none_or(|last| {
             let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
@@ -298,7 +302,7 @@ impl WallDirections {
         })
     }
 
-    /// Known directions of the building, modulo quarter turns.
+    /// Directions of the building that the map gives or that were learnt, modulo quarter turns.
     pub fn directions_rad(&self) -> Vec<Interval> {
         self.directions.iter().map(|direction| direction.direction_rad).collect()
     }
@@ -318,7 +322,8 @@ impl Method for WallDirections {
     }
 
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
-        // Each image is carried in one step from its own stamp; an image that the memory of motion does not reach is dropped.
+        // Each held image is carried by the robot's motion in one step from its own stamp. An image is dropped if the remembered motion readings do
+        // not reach back to its stamp.
         self.seen.retain_mut(|seen| {
             let moved = if seen.stamp_s == stamp_s { Some(still()) } else { motion(seen.stamp_s, stamp_s) };
             let is_known = moved.is_some_and(|moved| !moved.is_empty());
@@ -342,7 +347,7 @@ impl Method for WallDirections {
             Chain::Paper => by_paper(Equalisation::Whole),
             Chain::PaperByTiles => by_paper(Equalisation::ByTiles),
         };
-        // A turn of the robot during the exposure moves the image sideways: in the image's middle by the focal length times the angle.
+        // A turn of the robot during the exposure moves the image sideways, in its middle by the focal length times the angle turned.
         let moved_px = self.camera.focal_px.mid() * (twist.turn_rad_per_s * exposure_s).abs();
         for line in &mut lines {
             let [[_, v0], [_, v1]] = line.ends_px;
@@ -357,8 +362,8 @@ impl Method for WallDirections {
         if !self.learns || self.strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {
             return;
         }
-        // A direction of the building is α = θ + φ up to quarter turns. Its interval is as wide as the heading and the edges together,
-        // never narrower.
+        // A direction α of the building is the heading θ plus the edge's angle φ from robot forward, up to quarter turns. Its interval is as wide as
+        // those of heading and edges together, never narrower.
         let quarter = Interval::PI * 0.5;
         let any = Interval::new(-0.1, quarter.hi() + 0.1);
         let turned: Vec<Vec<Interval>> =
@@ -377,7 +382,7 @@ impl Method for WallDirections {
 
     fn forget_since(&mut self, since_s: f64) {
         self.directions.retain(|direction| direction.since_s <= since_s);
-        // The images held were carried by motion that is doubted, so that their headings are not known.
+        // The images held were carried by a motion of the robot that may be false, so that the headings which they imply are not known.
         self.seen.clear();
         self.certificates = Certificates::default();
     }
@@ -396,8 +401,8 @@ impl Method for WallDirections {
     }
 }
 
-/// Direction on which all given sets agree up to quarter turns; `None` where they give several directions and it is not known which is
-/// right.
+/// The one direction on which all given intervals of directions agree up to quarter turns; `None` where they give several directions and it is not
+/// known which is right.
 fn one_direction(sets: &[Interval]) -> Option<Interval> {
     let quarter = Interval::PI * 0.5;
     let (&first, others) = sets.split_first()?;

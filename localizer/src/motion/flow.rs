@@ -29,12 +29,14 @@ use crate::robot::FlowModel;
 
 use super::Motion;
 
-/// Motion since a stamp by the flow sensor, integrated one reading at a time.
+/// Motion of the robot since a stamp by the optical flow sensor (which sees the floor pass), integrated one reading at a time.
 #[derive(Clone, Debug)]
 pub struct FlowIntegral {
-    /// Sum Σ Δc·cos φ over the readings, for the counts forward and left; φ is the heading since the start.
+    /// Sum over the flow sensor's readings of Δc·cos φ, with the counts Δc of a reading, forward and left, and the heading φ relative to that at
+    /// the start.
     cos_counts: [Interval; 2],
-    /// Sum Σ Δc·sin φ over the readings, for the counts forward and left; φ is the heading since the start.
+    /// Sum over the flow sensor's readings of Δc·sin φ, with the counts Δc of a reading, forward and left, and the heading φ relative to that at
+    /// the start.
     sin_counts: [Interval; 2],
     turn_rad: Interval,
     /// Bound on the robot's total turning ∫ |dφ| since the start.
@@ -79,22 +81,24 @@ impl FlowIntegral {
         }
         let change = model.scale_change;
         let counted_m = counts.map(|counts| (counts.abs() + model.quantisation_counts) * model.metres_per_count.hi());
-        // The bound κ·m′·∫ |dc| on the effect of a varying scale of the counts, forward and left.
+        // Bound κ·m′·∫ |dc| on the error of the step's travel that a varying scale of the flow sensor's counts c causes, forward and left: the
+        // scale varies by up to the fraction κ, and m′ is about the length of one count.
         let varied_m =
             counted_m.map(|counted_m| change * (counted_m / (1.0 - change * change) + excess_m / (1.0 - change)));
         let (cos, sin) = (cos.magnitude(), sin.magnitude());
         self.varied_m[0] += cos * varied_m[0] + sin * varied_m[1];
         self.varied_m[1] += sin * varied_m[0] + cos * varied_m[1];
-        // The length P of the step's path, forward and left.
+        // Greatest length of the path that the flow sensor covers in the step, forward and left.
         let way_m = counted_m.map(|counted_m| (counted_m + excess_m) / (1.0 - change));
-        // Within a step the heading departs from the mean of its values at both ends by at most half of the turning.
+        // Within a step the robot's heading departs from the mean of its values at both ends by at most half of the total turning in the step.
         self.remainder_m += 0.5 * step_turn_rad * (way_m[0] + way_m[1]);
         self.turning_rad += step_turn_rad;
         self.turn_rad = turn_rad;
     }
 
-    /// Motion of the axle middle from the start to the latest reading; its turn is the one that was given for that reading. Where the totals at
-    /// the ends were interpolated, the sensor was up to `bent_m` away from the place interpolated, at both ends together.
+    /// Motion of the axle middle from the start to the latest reading; its turn is the one that was given for that reading. Where the sensor's
+    /// counts at the start and at the end were interpolated between readings, `bent_m` bounds the sensor's distance from the interpolated
+    /// positions, summed over both ends.
     pub fn motion(&self, bent_m: f64, model: &FlowModel) -> Motion {
         let (mount_cos, mount_sin) = (model.yaw_rad.cos(), model.yaw_rad.sin());
         // The sum Σ R(φ)·(counts forward, counts left). The rotation by the mount's yaw follows later, as rotations about the same axis commute.
@@ -122,13 +126,13 @@ impl Default for FlowIntegral {
     }
 }
 
-/// Factor that makes up for the few roundings of a sum of positive terms.
+/// Factor by which a sum of positive error bounds is increased, to make up for the few roundings of the sum.
 const ABOVE: f64 = 1.0 + 1e-12;
 
 /// Result of comparing the wheels' enclosure of a motion with the flow sensor's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Agreement {
-    /// The motions that both sensors allow.
+    /// The wheels and the flow sensor agree: the motions that both allow.
     Both(Motion),
     /// The flow sensor's motion, which has nothing in common with the wheels' motion: the wheels slipped by more than their bound, since the
     /// flow sensor does not depend on the wheels.

@@ -14,7 +14,7 @@ pub struct FlowHistory {
     keep_s: f64,
 }
 
-/// Totals of a flow sensor at one stamp.
+/// Reading of a flow sensor: the totals that it has counted up to one stamp.
 #[derive(Clone, Copy, Debug)]
 struct FlowReading {
     time_s: f64,
@@ -108,8 +108,9 @@ impl FlowHistory {
         Some(integral.motion(bent_m, &self.model))
     }
 
-    /// Greatest length by which the path between two flow sensor readings exceeds their difference. Where readings are missing in between, the
-    /// sensor may go back and forth in each of their periods, and from one period to the next as far as the acceleration allows.
+    /// Greatest length by which the path of the flow sensor between two consecutive readings exceeds the distance between its positions at them.
+    /// Where readings between the two are missing, the sensor may go back and forth in each of the missing periods, and from one period to the next
+    /// as far as the acceleration allows.
     fn back_and_forth_m(&self, span_s: f64, acceleration_m_per_s2: f64) -> f64 {
         let n_periods = (span_s / self.model.period_s - 1e-6).ceil().max(1.0);
         let between_m = if n_periods > 1.0 { 0.25 * acceleration_m_per_s2 * span_s * span_s } else { 0.0 };

@@ -1,8 +1,8 @@
 //! From the turn rates of a gyroscope to an enclosure of the turn between two stamps.
 //!
-//! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. Bias and scale are the same in all readings and so act on
-//! sums. Noise is bounded for each reading, so that its bounds add up. Besides, noise may be bounded over any span of time, together with the
-//! departure of the bias from the bias of the whole run.
+//! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. The scale is the same in all readings, and so is the bias
+//! but for a slow change; their bounds therefore apply to the sum of readings. Noise is bounded for each reading, so that its bounds add up.
+//! Besides, noise may be bounded over any span of time, together with the departure of the bias from the bias of the whole run.
 
 use std::collections::VecDeque;
 
@@ -14,7 +14,8 @@ use crate::robot::{GyroModel, Reach, WheelModel};
 #[derive(Clone, Debug)]
 pub struct GyroHistory {
     model: GyroModel,
-    /// Gyroscope bias of the whole run: over any span of time the mean bias departs from it by no more than the bound `gyro.angle` allows.
+    /// Gyroscope bias of the whole run, from which the mean bias of any span of time departs by no more than the declared bound `gyro.angle` on the
+    /// accumulated angle error allows.
     run_bias_rad_per_s: Interval,
     /// Stamp and turn rate of each gyroscope reading.
     readings: VecDeque<(f64, f64)>,
@@ -24,7 +25,8 @@ pub struct GyroHistory {
 /// Time difference below which two stamps are the same instant: periods are decimal numbers, stamps binary ones.
 const SAME_S: f64 = 1e-9;
 
-/// Fraction of a period by which the periods of two gyroscope readings may overlap and still count as one after the other.
+/// Fraction of a period by which the periods that two gyroscope readings average over may overlap without one of them counting as a duplicate:
+/// stamps are rounded.
 const PERIOD_S_SLACK: f64 = 1e-3;
 
 impl GyroHistory {
@@ -59,18 +61,18 @@ impl GyroHistory {
         }
     }
 
-    /// Turn by the gyroscope from `from_s` to `to_s`, while turn rates change by at most `change_rad_per_s2`; `None` where no reading is near,
-    /// and if `to_s` is earlier than `from_s`.
+    /// Turn by the gyroscope from `from_s` to `to_s`, while turn rates change by at most `change_rad_per_s2`; `None` before the first reading has
+    /// arrived, and if `to_s` is earlier than `from_s`.
     ///
     /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. In time that no reading covers, the robot is
-    /// taken to turn at the rate of the reading beside it, plus or minus what the rate can have changed by since.
+    /// taken to turn at the rate of the reading beside it, plus or minus what the rate can have changed by in the time between.
     pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
         self.turns_from(from_s, change_rad_per_s2).to(to_s)
     }
 
-    /// Sum of the gyroscope's readings over a span of time, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most
-    /// `change_rad_per_s2`; `None` where no reading is near. The enclosure includes the noise, but neither bias nor scale. Where `gyro.angle` is
-    /// declared, the bias is that of the whole run.
+    /// Sum of the gyroscope's readings over a span of time, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most `change_rad_per_s2`;
+    /// `None` before the first reading has arrived. The enclosure includes the noise, but neither bias nor scale. Where the bound `gyro.angle` on
+    /// the accumulated angle error is declared, the bias in this formula is the mean one of the whole run.
     pub fn sum(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
         let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
         let model = &self.model;
@@ -115,7 +117,8 @@ impl TurnsFrom<'_> {
     }
 }
 
-/// A pass over gyroscope readings: the sums of those readings whose periods have ended.
+/// Sums of gyroscope readings from a fixed stamp on, carried forward through the readings. Only readings whose periods have ended are included for
+/// good.
 #[derive(Clone, Debug)]
 struct Walk<'a> {
     history: &'a GyroHistory,
@@ -133,8 +136,8 @@ impl<'a> Walk<'a> {
         Walk { history, change_rad_per_s2, from_s, done_s: from_s, next, sums: Sums::default() }
     }
 
-    /// Sums of the gyroscope's readings up to a stamp that is not earlier than that of the previous call. They are `None` where no reading is
-    /// near, and for a stamp before the beginning: a motion backward in time must not be taken for no motion.
+    /// Sums of the gyroscope's readings up to a stamp that is not earlier than that of the previous call. They are `None` before the first reading
+    /// has arrived, and for a stamp before the one at which the sums begin: a motion backward in time must not be taken for no motion.
     fn sums_to(&mut self, to_s: f64) -> Option<Sums> {
         if to_s < self.from_s - SAME_S {
             return None;
@@ -143,8 +146,8 @@ impl<'a> Walk<'a> {
         while self.reading().is_some_and(|(end_s, _)| end_s <= to_s && end_s - period_s < to_s - SAME_S) {
             self.add_next(to_s);
         }
-        // A gyroscope reading that lies only partly in the span that ends here may lie in the next span as a whole, so such readings are added
-        // to a copy of the pass.
+        // A gyroscope reading whose period ends after this stamp counts only in part here, but may count as a whole at the next stamp. So it is
+        // added to a copy of the sums.
         let mut last = self.clone();
         while last.reading().is_some_and(|(end_s, _)| end_s - period_s < to_s - SAME_S) {
             last.add_next(to_s);
@@ -201,11 +204,12 @@ struct Sums {
     lasts_s: f64,
     /// Time of the span that no gyroscope reading covers.
     beside_s: f64,
-    /// Number of parts of the span without a gap between readings.
+    /// Number of stretches of the span that gyroscope readings cover without a gap.
     n_runs: usize,
-    /// Bound on the turn that the sum of gyroscope readings leaves out.
+    /// Bound on the error of the turn that arises where only a part of a reading's period is used, and in time that no reading covers.
     bend_rad: f64,
-    /// Sum Σ |r|·T over the gyroscope readings r, for the bound on the rounding errors of the sums.
+    /// Sum Σ |r|·T over the gyroscope readings r and the times T for which they count; the bound on the rounding errors of the sums is in
+    /// proportion to it.
     size_rad: f64,
 }
 
@@ -217,18 +221,19 @@ impl Sums {
     }
 
     fn within(&self, noise_rad: f64) -> Interval {
-        // The stamps of gyroscope readings are rounded too, by far less than `SAME_S` for each reading.
+        // Besides the noise, rounding errors count: those of the sums, and those of the stamps of gyroscope readings, which are far less than
+        // `SAME_S` each.
         Interval::point(self.read_rad).inflate(noise_rad + 1e-12 * (self.size_rad + self.lasts_s))
     }
 
-    /// Enclosure of scale·turn + ∫ bias dt, where every reading is off by at most its own noise.
+    /// Enclosure of scale·turn + ∫ bias dt over a span of time, when the noise of every gyroscope reading is bounded on its own.
     fn by_reading(&self, model: &GyroModel) -> Interval {
         self.within(model.noise_rad_per_s * self.lasts_s)
     }
 
-    /// Enclosure of scale·turn + bias·Δt with the bias of the whole run. Noise and the departure of the bias from that one are bounded together
-    /// over each part of the span without a gap. They are bounded reading by reading beside the readings' periods, and for a reading at either
-    /// end that lies only partly in the span.
+    /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run. In each stretch of the span that readings cover without a gap,
+    /// noise and the bias's departure from that of the whole run are bounded together. They are bounded reading by reading in time that no reading
+    /// covers, and for a reading at either end that lies only partly in the span.
     fn by_span(&self, model: &GyroModel) -> Interval {
         if !model.bounds_angle() {
             return Interval::ENTIRE;

@@ -11,8 +11,8 @@ use crate::{bounds, bounds::Assumption, robot::GyroModel};
 
 use super::polygon::Polygon;
 
-/// How far back, in seconds, the learnt bias and scale can be taken back stamp by stamp; a doubt that reaches further back takes back all that
-/// was learnt.
+/// Time in seconds for which earlier sets of the gyroscope's bias and scale are remembered. When an assumption may have failed within that time,
+/// only what was learnt since the failure is taken back; when it may have failed earlier, all that was learnt is.
 const UNLEARN_S: f64 = 300.0;
 
 /// What is known of the gyroscope's bias and scale, and since which stamps.
@@ -27,9 +27,10 @@ pub struct GyroErrors {
 /// How far the gyroscope's bias may depart from the bias that is known.
 #[derive(Clone, Copy, Debug)]
 enum Drift {
-    /// The known gyroscope bias is the one that the bound `gyro.angle` counts from, which is the same in the whole run.
+    /// The bias does not depart: what is known is the bias of the whole run, the one from which the declared bound `gyro.angle` on the accumulated
+    /// angle error counts.
     None,
-    /// The known gyroscope bias is that at a stamp; it changes by at most this amount per time.
+    /// The known gyroscope bias is that at one stamp; from there the bias changes by at most this amount per time.
     Wander(f64),
 }
 
@@ -93,8 +94,8 @@ impl GyroErrors {
             return Outcome::Feasible;
         }
         let (known_s, latest) = self.latest(to_s);
-        // What a late reading teaches about bias and scale counts as known from the latest stamp on, not from its own stamp, because the new set
-        // is a part of all that was known before the reading came.
+        // A late reading tells of a span that ends before the latest known set of biases and scales. The set learnt from it counts as known from
+        // the latest set's stamp on, because it is a part of that set.
         let at_s = known_s.max(to_s);
         let known = match self.drift {
             Drift::None => latest.clone(),
@@ -126,8 +127,8 @@ impl GyroErrors {
         self.known.retain(|(stamp_s, _)| *stamp_s <= since_s);
     }
 
-    /// The set of biases and scales that is known, and the stamp at which it is. The declared set is valid at any stamp, and is returned with
-    /// `any_s`.
+    /// The set of biases and scales that is known, and the stamp at which it is. Before anything is learnt it is the declared set, which is valid
+    /// at any stamp, so that the caller's stamp `any_s` is returned with it.
     fn latest(&self, any_s: f64) -> (f64, &Polygon) {
         self.known.last().map_or((any_s, &self.declared), |(known_s, known)| (*known_s, known))
     }

@@ -22,11 +22,11 @@ pub struct WheelIntegral {
     sin_ticks: [Interval; 2],
     /// For each wheel, the sum Σ |Δn| of the ticks rolled without regard to sign.
     path_ticks: [f64; 2],
-    /// Heading at the latest sample relative to that at the start.
+    /// Heading of the robot at the latest sample, relative to its heading at the start of the integral.
     turn_rad: Interval,
     /// Greatest total turning since the start: the sum of |Δφ| over the readings.
     turning_rad: f64,
-    /// Bound on the displacement that the midpoint rule leaves out, in metres.
+    /// Bound on the displacement error, in metres, from using the heading at the middle of each step for the whole step (midpoint rule).
     remainder_m: f64,
 }
 
@@ -52,27 +52,28 @@ impl WheelIntegral {
 
     /// Carries the integral on to the next sample, which must be later than the latest one; a sample with the same stamp changes nothing.
     ///
-    /// `turn` is the turn since the start as another sensor encloses it. If it has nothing in common with the wheels' turn, no motion is left.
+    /// `turn` is the turn since the start as another sensor encloses it. If it has nothing in common with the wheels' turn, the turn becomes empty.
     pub fn advance(&mut self, sample: &WheelSample, turn: Option<Interval>, wheels: &WheelModel, reach: &Reach) {
         let step_s = sample.time_s - self.latest.time_s;
         if step_s <= 0.0 {
             return;
         }
         let delta = [0, 1].map(|wheel| sample.ticks[wheel] - self.latest.ticks[wheel]);
-        // Encoder counts that are interpolated between readings, or extrapolated beyond the latest one, are off by more than their quantisation.
+        // Uncertainty of the ticks counted in the step: 1 for the encoder's quantisation, and more where the counts at an end are interpolated
+        // between readings or extrapolated beyond the latest one.
         let counts = 1.0 + self.latest.ticks_error + sample.ticks_error;
         let turn_before = self.turn_rad;
         self.latest = *sample;
         (0..2).for_each(|wheel| self.path_ticks[wheel] += delta[wheel].abs());
         let travel = [self.travel(0, wheels), self.travel(1, wheels)];
-        // θ̇ = (v_r − v_l)/W, Eq. (2c), is exact for the true travels of the two wheels' contact points.
+        // θ̇ = (v_r − v_l)/W, Eq. (2c) of paper 1, with the track width W, is exact for the true travels of the two wheels' contact points.
         self.turn_rad = (travel[1] - travel[0]) / wheels.track_m;
         if let Some(turn) = turn {
             self.turn_rad = self.turn_rad.intersect(turn);
         }
 
-        // Over one step the headings φ at both ends share the same errors of start and scale, so that the step's own turn is known much better
-        // than the difference of the two enclosures of φ.
+        // The enclosures of the heading at the two ends of a step share the errors of all that happened since the start. So the turn in the step is
+        // computed from the step's own ticks, which is much tighter than the difference of the two enclosures.
         let step_turn_rad = self.step_turn(delta, counts, wheels);
         let middle = (turn_before + self.turn_rad) * 0.5;
         let half = 0.5 * step_turn_rad.magnitude();
@@ -93,7 +94,8 @@ impl WheelIntegral {
             |ticks: &[Interval; 2]| (wheels.metres_per_tick(0) * ticks[0] + wheels.metres_per_tick(1) * ticks[1]) * 0.5;
         let error_m = 0.5 * (self.travel_error(0, wheels) + self.travel_error(1, wheels));
         let side_m = self.side_slip(wheels);
-        // The remainders of the summation by parts are at right angles to the terms that they belong to, so that both axes share one bound.
+        // The summation by parts leaves a remainder of the errors of travel and side slip, which may act in any direction as the robot turns, so
+        // that both axes share one bound.
         let parts_m = (error_m + side_m) * self.turning_rad + self.remainder_m;
         let (cos, sin) = (self.turn_rad.cos(), self.turn_rad.sin());
         let (error, side) = (Interval::centred(0.0, error_m), Interval::centred(0.0, side_m));
@@ -110,8 +112,8 @@ impl WheelIntegral {
         (wheels.metres_per_tick(wheel) * ticks).inflate(self.travel_error(wheel, wheels))
     }
 
-    /// Bound on the error of a wheel's travel: the quantisation once, slip in proportion to the rolled distance, and the constant part (floor)
-    /// of the slip bound for each window.
+    /// Bound on the error of a wheel's travel since the start: the quantisation once, slip in proportion to the rolled distance, and the constant
+    /// part (floor) of the declared slip bound once for each time window of the length for which that bound is declared.
     fn travel_error(&self, wheel: usize, wheels: &WheelModel) -> f64 {
         let per_tick_m = wheels.metres_per_tick(wheel).hi();
         let counts = 1.0 + self.start.ticks_error + self.latest.ticks_error;
@@ -127,9 +129,10 @@ impl WheelIntegral {
         (wheels.side_slip_ratio * rolled_m + self.windows(wheels) * wheels.side_slip_floor_m) * ABOVE
     }
 
-    /// Number of slip windows that have started since the integral's start.
+    /// Number of time windows, of the length for which the slip bounds are declared, that have begun since the integral's start.
     fn windows(&self, wheels: &WheelModel) -> f64 {
-        // The quotient is lowered by a hair, so that 0.2 s in binary is one window of 0.2 s, not two.
+        // The quotient of time and window length is lowered by 10⁻⁶, so that a time of 0.2 s, which is inexact in binary, is one window of 0.2 s,
+        // not two.
         ((self.latest.time_s - self.start.time_s) / wheels.slip_window_s - 1e-6).ceil().max(1.0)
     }
 
@@ -145,7 +148,7 @@ impl WheelIntegral {
     }
 }
 
-/// Factor that makes up for the few roundings of a sum of positive terms.
+/// Factor by which a sum of positive error bounds is increased, to make up for the few roundings of the sum.
 const ABOVE: f64 = 1.0 + 1e-12;
 
 /// Bound on |∫ (cos φ, sin φ) dS − chord| over one step, when speeds and turn rates change by at most their acceleration limits a and α:

@@ -34,7 +34,7 @@ pub use slip_excess::SlipExcess;
 /// grows with the square of time, exceeds the distance at greatest speed, which grows in proportion to time.
 pub const AHEAD_S: f64 = 0.25;
 
-/// Motion of the robot relative to its first pose, as a box in the robot frame of that pose: forward and left in metres, turn in radians.
+/// Motion of the robot in a span of time, as a box in the robot frame at the start of the span: forward and left in metres, turn in radians.
 pub type Motion = IntervalBox<3>;
 
 /// Nominal velocity of the robot at a stamp, by its wheels. It causes the motion blur in an image.
@@ -64,7 +64,8 @@ pub struct WheelHistory {
     gyro: Option<GyroHistory>,
     flow: Option<FlowHistory>,
     keep_s: f64,
-    /// Spans of time in which the wheels slip by more than declared, as reported by somebody who saw the slip.
+    /// Spans of time in which the wheels slip by more than declared. The simulator, which knows the slip, gives them when it repeats a run with
+    /// wider bounds.
     excesses: Vec<SlipExcess>,
 }
 
@@ -84,7 +85,7 @@ impl WheelHistory {
         WheelHistory { flow: Some(FlowHistory::new(model, self.keep_s)), ..self }
     }
 
-    /// Sets the spans of time in which the wheels slip by more than declared.
+    /// Sets the spans of time in which the wheels are known to slip by more than declared.
     pub fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
         self.excesses = excesses;
     }
@@ -101,8 +102,8 @@ impl WheelHistory {
         }
     }
 
-    /// Motion by the flow sensor and the gyroscope, whatever the wheels do; `None` when one of them is missing, and where the flow sensor saw
-    /// nothing.
+    /// Motion by the flow sensor and the gyroscope, whatever the wheels do. It is `None` when the robot lacks one of these sensors, where their
+    /// readings do not cover the time, and where the flow sensor saw nothing for a period.
     pub fn flow_motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
         self.flow.as_ref()?.motion([from_s, to_s], self.gyro.as_ref(), wheels, reach)
     }
@@ -127,8 +128,8 @@ impl WheelHistory {
         Some(self.samples.get(after.checked_sub(1)?)?.time_s)
     }
 
-    /// Turn by the gyroscope between two stamps, for wheels that keep to their acceleration bound; `None` when there is no gyroscope or no
-    /// reading near.
+    /// Turn by the gyroscope between two stamps, for wheels that keep to their acceleration bound; `None` when there is no gyroscope, or no reading
+    /// of it yet.
     pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
     }
@@ -137,9 +138,10 @@ impl WheelHistory {
         Some(self.gyro.as_ref()?.turns_from(from_s, greatest_change_rad_per_s2(wheels, reach)))
     }
 
-    /// Motion bounded by the robot's speed limits (reach) and by the gyroscope alone, whatever the wheels report; a gyroscope does not slip.
-    /// Where it reads more turn than the limits allow, one of the two is wrong and the hull of both is kept, so that the motion is never empty
-    /// when everything else is doubted. To an earlier stamp the limits hold as well as to a later one, and only they are used.
+    /// Motion bounded by the robot's speed limits (reach) and by the gyroscope alone, whatever the wheels report; a gyroscope does not slip. Where
+    /// the gyroscope reads more turn than the limits allow, one of the two is wrong, and the hull of both is kept. So the motion is never empty,
+    /// and the localizer can rely on it when it distrusts everything else. From a stamp to an earlier one only the limits are used, which hold in
+    /// that direction too.
     pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
         let mut motion = reach_motion((to_s - from_s).abs(), reach);
         if to_s < from_s {
@@ -257,7 +259,8 @@ impl WheelHistory {
         Some(integral.motion(&self.model_over([from_s, to_s], wheels)))
     }
 
-    /// Nominal velocity of the robot at `time_s`, from the wheel readings up to 20 ms around that time; zero where there are none.
+    /// Nominal velocity of the robot at `time_s`, from the wheel counts between a reading about two readings earlier and one about two readings
+    /// later; zero where there are no readings.
     pub fn twist(&self, time_s: f64, wheels: &WheelModel) -> Twist {
         // Two wheel readings on each side are used, because one alone resolves a speed no better than one tick per period.
         let middle = self.samples.partition_point(|sample| sample.time_s < time_s);
@@ -307,7 +310,7 @@ pub fn moved(pose: &PoseBox, motion: &Motion) -> PoseBox {
     ])
 }
 
-/// Every branch of a union of pose boxes, moved by `motion`.
+/// Moves every box of a union of pose boxes by `motion`.
 pub fn moved_union(union: &PoseUnion, motion: &Motion) -> PoseUnion {
     PoseUnion { branches: union.branches.iter().map(|branch| moved(branch, motion)).collect() }
 }

@@ -1,4 +1,4 @@
-//! Wheel odometry alone, as a point estimate: the baseline that drifts.
+//! Wheel odometry alone as a point estimate without bounds, which drifts; the localizer is compared with it.
 
 use crate::{Pose, robot::WheelModel};
 

@@ -2,7 +2,8 @@
 
 use interval::Interval;
 
-/// Fraction of a coordinate's size by which every cut keeps more than its half-plane: far more than the arithmetic of the cut can lose.
+/// Relative amount by which a cut of the polygon keeps more than the half-plane: a fraction of the coordinates' size, far more than rounding in the
+/// cut can lose.
 const SLACK: f64 = 1e-12;
 
 /// Greatest number of corners of a polygon. A cut that would leave more corners is left out; the polygon then stays a little larger than it
@@ -44,7 +45,7 @@ impl Polygon {
         self.cut(|[x, y]| x + slope * y + SLACK * (1.0 + x.abs() + (slope * y).abs()) - bound)
     }
 
-    /// The part of the polygon where a function that is linear but for its slack is not negative.
+    /// The part of the polygon where the function `inside` is not negative. The function is linear, but for a small slack against rounding.
     fn cut(&self, inside: impl Fn([f64; 2]) -> f64) -> Polygon {
         let mut corners = Vec::new();
         for (idx, &corner) in self.corners.iter().enumerate() {
@@ -64,14 +65,14 @@ impl Polygon {
         Polygon { corners }
     }
 
-    /// The polygon of all points that lie within `reach` of this polygon along x.
+    /// The polygon widened along x: all points that are at most `reach` away along x from a point of this polygon.
     pub(super) fn wider(&self, reach: f64) -> Polygon {
         let n = self.corners.len();
         let mut corners = Vec::with_capacity(n + 2);
         for (idx, corner) in self.corners().enumerate() {
             let rises = [corner[1] - self.corners[(idx + n - 1) % n][1], self.corners[(idx + 1) % n][1] - corner[1]];
-            // In counter-clockwise order the right side goes up and the left side goes down. A corner where one turns into the other is moved
-            // both ways.
+            // With the corners in counter-clockwise order, edges of the polygon's right side rise and those of its left side fall. A corner between
+            // a rising and a falling edge is moved in both directions along x.
             for rise in rises.into_iter().filter(|rise| *rise != 0.0) {
                 let moved = [corner[0] + reach.copysign(rise), corner[1]];
                 if corners.last() != Some(&moved) {
@@ -106,7 +107,7 @@ mod tests {
     fn half_planes_leave_what_is_on_both_sides_and_nothing_else() {
         let cut = house().above(-0.5, -0.25);
         for step in 0..10_000 {
-            // The coordinates are irrational, so that no test point is on an edge.
+            // The test points' coordinates are irrational, so that no test point is on an edge.
             let [x, y] = [step % 100, step / 100].map(|at| f64::from(at) * 0.03 - 0.2_f64.sqrt());
             let expected = Interval::new((0.5 * y - 0.25).max(0.0), (3.0 - y).min(2.0));
             let is_in = (0.0..=2.0).contains(&y) && expected.contains(x);
@@ -126,7 +127,7 @@ mod tests {
             polygon = polygon.below(slope, (1.0 + slope * slope).sqrt());
         }
         assert!(polygon.corners.len() <= MOST_CORNERS);
-        // The circle to which all cuts are tangent is still in the polygon.
+        // All half-planes are tangent to the unit circle, so the circle is still in the polygon.
         let side = polygon.side(1);
         assert!(side.contains(1.0) && side.contains(-1.0));
     }

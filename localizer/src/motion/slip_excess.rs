@@ -1,5 +1,5 @@
-//! Slip beyond its declared bound, in spans of time that are given by somebody who saw the slip: by the simulator, when it computes what a run
-//! would have been with wider bounds.
+//! Wheel slip beyond its declared bound, in known spans of time. The simulator, which knows the slip, gives them when it computes what a run would
+//! have been with wider bounds.
 
 use std::borrow::Cow;
 
@@ -10,9 +10,10 @@ use crate::robot::WheelModel;
 pub struct SlipExcess {
     /// Begin and end of the span of time in which slip exceeds its bounds.
     pub span_s: [f64; 2],
-    /// Amount by which the constant part (floor) of the slip bound is too small, in any window that has time in common with the span.
+    /// Amount by which the constant part (floor) of the declared slip bound is too small, in every time window that has time in common with the
+    /// span; the slip bound holds for each such window.
     pub slip_m: f64,
-    /// Amount by which the constant part (floor) of the side slip's bound is too small.
+    /// Amount by which the constant part (floor) of the declared bound on side slip is too small.
     pub side_slip_m: f64,
 }
 
@@ -23,7 +24,7 @@ impl SlipExcess {
         let meets = |excess: &&SlipExcess| excess.span_s[0] <= span_s[1] && span_s[0] <= excess.span_s[1];
         excesses.iter().filter(meets).fold(Cow::Borrowed(wheels), |mut wheels, excess| {
             let wider = wheels.to_mut();
-            // One window may meet two excesses and contain the slip of both, so their amounts add up.
+            // A time window of the slip bound may meet two spans of excess slip and contain the slip of both, so their amounts add up.
             wider.slip_floor_m += excess.slip_m;
             wider.side_slip_floor_m += excess.side_slip_m;
             wheels

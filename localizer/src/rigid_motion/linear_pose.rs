@@ -1,4 +1,5 @@
-//! The planar pose from matched landmarks without bisection: linear elimination, then thin slices of heading.
+//! The planar pose from matched landmarks without bisection: from constraints that are linearised in the heading, the unknowns are eliminated one
+//! after the other; then the heading is cut into thin slices, and each slice is contracted.
 
 use interval::contractor::{Contractor, Outcome, settle};
 use interval::{Interval, IntervalBox};
@@ -9,27 +10,32 @@ use super::rigid_rows::{About, LANES, Row, SLACK};
 
 /// Contractor of the planar pose from matched landmarks, which needs no bisection.
 ///
-/// **Constraint.** That of [`RigidPlanar`]. This is a stronger contractor for it, because it compares pairs of landmarks.
+/// **Constraint.** That of [`RigidPlanar`]: aᵢ = t + R(θ) bᵢ for all landmarks i, with the pose t, θ. This is a stronger contractor for it, because
+/// it compares pairs of landmarks.
 ///
-/// **Sound.** Each row (`rigid_rows`) says value ∈ mᵢ + δ gᵢ ± eᵢ with the *same* value for all landmarks i, where δ is the heading's deviation
-/// from the middle. The difference of two rows does not contain the translation and bounds δ. A convex combination of two rows with slopes of
-/// opposite sign does not contain δ and bounds the translation. Both are consequences of the rows, whatever the multipliers. The slices of
+/// **Sound.** A row (`rigid_rows`) is the linearised constraint that one landmark puts on the translation's coordinate along one direction:
+/// coordinate ∈ mᵢ + δ gᵢ ± eᵢ, where δ is the heading's deviation from the middle of its interval, and the coordinate is the *same* for all
+/// landmarks i. The difference of two rows does not contain the coordinate, so it bounds δ. A convex combination of two rows with slopes g of
+/// opposite sign does not contain δ, so it bounds the coordinate. Both are consequences of the rows, whatever the multipliers. The slices of
 /// heading cover the whole heading interval.
 ///
-/// **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns a bound is always given by two rows. What is lost is
-/// Lagrange's remainder, which slices make as small as wanted: the more slices, the closer the result is to the hull of the solutions.
+/// **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns (the coordinate and δ) a bound is always given by two
+/// rows. What is lost is Lagrange's remainder (the error of the linearisation), which slices make as small as wanted: the more slices, the closer
+/// the result is to the hull of the solutions.
 ///
 /// **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of A. Neumaier, *Interval
 /// Methods for Systems of Equations*, Cambridge 1990, chapter 5.
 #[derive(Clone, Debug)]
 pub struct LinearPose {
-    /// The matched landmarks in both frames.
+    /// The matched landmarks, each as a box in the world frame and a box in the robot frame.
     pub motion: RigidPlanar,
-    /// Number of slices into which the heading is cut after the linear elimination; 0 for the elimination alone.
+    /// Number of slices into which the heading interval is cut once its bounds no longer improve by combining pairs of linearised constraints
+    /// (elimination); 0 to leave the slices out.
     pub n_slices: usize,
 }
 
-/// The elimination is repeated about the new middle heading as long as it narrows the heading to less than this fraction of its width.
+/// Bounding the heading by pairs of linearised constraints is repeated, linearised about the new middle heading, as long as it narrows the heading
+/// interval to less than this fraction of its width.
 const WORTHWHILE: f64 = 0.9;
 
 impl Contractor<3> for LinearPose {
@@ -45,8 +51,8 @@ impl Contractor<3> for LinearPose {
         let mut branches = Vec::with_capacity(1);
         for heading in self.motion.turns(domain[2]) {
             let part = self.motion.bound_by_lengths(&IntervalBox::new([domain[0], domain[1], heading]));
-            // Where no baseline between landmarks decides the heading, Lagrange's remainder would exceed everything that the elimination can
-            // gain.
+            // Where the vectors between landmarks leave a heading interval more than 3 rad wide, the error of linearising in the heading
+            // (Lagrange's remainder) would exceed everything that combining pairs of landmarks can gain, so the interval is halved instead.
             let left = if part.is_empty() || part[2].width() > 3.0 {
                 self.motion.contract_turn(&part)
             } else {
@@ -62,7 +68,7 @@ impl Contractor<3> for LinearPose {
 
 impl LinearPose {
     fn eliminate(&self, mut domain: IntervalBox<3>) -> IntervalBox<3> {
-        // Any point can be the origin of the translation; a point near the solution makes the remainders small.
+        // The translation can be counted from any point; a point near the solution makes the remainders of the linearisation small.
         let mut origin = self.motion.aligned_centroids(domain[2].mid());
         for _ in 0..6 {
             let about = About {
@@ -114,7 +120,8 @@ fn entry(rows: &[[Row; 4]], direction: usize, idx: usize) -> (f64, f64, f64) {
     (row.m[idx % LANES], row.g[idx % LANES], row.e[idx % LANES])
 }
 
-/// Range of the heading's deviation δ by the differences of every two rows of a direction: δ (gᵢ − gⱼ) ∈ mⱼ − mᵢ ± (eᵢ + eⱼ).
+/// Range of δ, the heading's deviation from the middle heading. A row is one landmark's linearised constraint, coordinate of the translation ∈ mᵢ +
+/// δ gᵢ ± eᵢ along one of four directions. The difference of every two rows of the same direction gives δ (gᵢ − gⱼ) ∈ mⱼ − mᵢ ± (eᵢ + eⱼ).
 fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
     let mut turn = (-reach, reach);
     for direction in 0..4 {
@@ -123,7 +130,7 @@ fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
             for j in 0..i {
                 let (other_m, other_g, other_e) = entry(rows, direction, j);
                 let slope = g - other_g;
-                // Nearly equal slopes say nothing about δ, and would magnify the rounding error of their difference.
+                // Where the slopes gᵢ and gⱼ of two rows are nearly equal, their difference says nothing about δ and is mostly rounding error.
                 if slope.abs() < 1e-3 {
                     continue;
                 }
@@ -138,7 +145,8 @@ fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
     turn
 }
 
-/// Range of the translation along a direction, by single rows over all δ, and by convex combinations of two rows in which δ cancels.
+/// Range of the translation's coordinate along a direction, from the landmarks' rows coordinate ∈ mᵢ + δ gᵢ ± eᵢ: by each row for all heading
+/// deviations δ in `turn`, and by convex combinations of two rows in which δ cancels.
 fn value_by_pairs(rows: &[[Row; 4]], direction: usize, turn: (f64, f64)) -> (f64, f64) {
     let mut value = (f64::NEG_INFINITY, f64::INFINITY);
     let reach = turn.0.abs().max(turn.1.abs());
@@ -152,7 +160,8 @@ fn value_by_pairs(rows: &[[Row; 4]], direction: usize, turn: (f64, f64)) -> (f64
             if g * other_g >= 0.0 {
                 continue;
             }
-            // The share λ solves λ gᵢ + (1 − λ) gⱼ = 0. What rounding leaves of that sum multiplies δ and is covered by the slack.
+            // The weight λ of the first of two rows solves λ gᵢ + (1 − λ) gⱼ = 0, so that δ cancels. What rounding leaves of that sum multiplies δ;
+            // the term with `SLACK` covers it.
             let share = other_g.abs() / (g.abs() + other_g.abs());
             let rest = 1.0 - share;
             let middle = share * m + rest * other_m;

@@ -21,20 +21,21 @@ use super::rigid_planar::{CAUSE, is_divisible};
 /// CSCS 2015.
 #[derive(Clone, Debug)]
 pub struct RelaxedPose {
-    /// The matched landmarks in both frames.
+    /// The matched landmarks, each as a box in the world frame and a box in the robot frame.
     pub landmarks: Vec<Landmark>,
     /// Greatest number of landmarks that may be matched wrongly.
     pub q: usize,
 }
 
-/// Headings wider than this are halved before they are sliced. At 5 m a slice this wide leaves a decimetre of uncertainty, about the distance
-/// that tells landmarks apart.
+/// Heading intervals wider than this are halved before they are cut into slices. For a landmark at 5 m, an interval this wide leaves a decimetre of
+/// uncertainty, about the distance from which on two landmarks can be told apart.
 const COARSE_RAD: f64 = 0.02;
-/// Number of slices of each heading interval that the halving leaves.
+/// Number of slices into which a heading interval is cut that is narrow enough not to be halved any more.
 const N_SLICES: usize = 16;
-/// The slicing is repeated as long as it narrows the heading to less than this fraction of its width.
+/// Cutting a heading interval into slices, which drops those that fit no pose, is repeated as long as it narrows the interval to less than this
+/// fraction of its width.
 const WORTHWHILE: f64 = 0.7;
-/// Greatest number of rounds of slicing.
+/// Greatest number of times that a heading interval is cut into slices.
 const MOST_ROUNDS: usize = 4;
 
 impl RelaxedPose {
@@ -50,7 +51,7 @@ impl RelaxedPose {
         if place.is_empty() {
             return IntervalBox::EMPTY;
         }
-        // The slice is contracted again in a frame rotated by the middle heading, in which the landmarks' boxes b keep their axes.
+        // The slice is contracted again in a frame rotated by the middle heading, in which the landmarks' boxes in the robot frame keep their axes.
         let middle = Interval::point(heading.mid());
         let (cosine, sine) = (middle.cos(), middle.sin());
         let rest = heading - middle;
@@ -66,7 +67,7 @@ impl RelaxedPose {
         if place.is_empty() { IntervalBox::EMPTY } else { IntervalBox::new([place[0], place[1], heading]) }
     }
 
-    /// A box around the part of `known` that all but q landmarks allow; `allowed` gives the box that one landmark allows.
+    /// A box around the positions in the box `known` that all but q landmarks allow; `allowed` gives the box of positions that one landmark allows.
     fn places(&self, known: IntervalBox<2>, allowed: impl Fn(&Landmark) -> [Interval; 2]) -> IntervalBox<2> {
         let boxes: Vec<IntervalBox<2>> =
             self.landmarks.iter().map(|landmark| known.intersect(&IntervalBox::new(allowed(landmark)))).collect();
@@ -76,7 +77,8 @@ impl RelaxedPose {
         known.intersect(&q_intersection(&boxes, self.q))
     }
 
-    /// Halves the headings until they are narrow enough to be sliced, drops those that fit no pose, and joins neighbouring ones again.
+    /// Halves the heading interval of a pose box until the parts are narrow enough to be cut into slices, drops the parts that fit no pose, and
+    /// joins neighbouring ones again.
     fn coarse(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
         let mut parts: Vec<IntervalBox<3>> = Vec::new();
         let mut pending = vec![*domain];
@@ -98,7 +100,8 @@ impl RelaxedPose {
         parts
     }
 
-    /// Slices a part of the headings repeatedly, until the slices do not narrow it any more.
+    /// Cuts the heading interval of a pose box into thin slices and drops those that fit no pose, repeatedly, until that does not narrow the
+    /// interval any more.
     fn fine(&self, mut part: IntervalBox<3>) -> IntervalBox<3> {
         // A heading interval of many turns contains all directions again and again, so that no slicing narrows it.
         if !is_divisible(part[2]) {

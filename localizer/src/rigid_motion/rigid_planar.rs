@@ -30,8 +30,8 @@ pub struct RigidPlanar {
 }
 
 impl RigidPlanar {
-    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in
-    /// the frame that moves.
+    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in the
+    /// frame that moves (for a robot's pose: the world frame and the robot frame).
     ///
     /// A landmark with an unbounded box constrains nothing; a landmark with an empty box leaves no pose.
     pub fn new(landmarks: &[Landmark]) -> RigidPlanar {
@@ -47,8 +47,8 @@ impl RigidPlanar {
         }
     }
 
-    /// Headings that the vectors between landmarks allow, as an interval less than half a turn wide, modulo whole turns; `None` when these
-    /// vectors do not decide on the heading.
+    /// Headings that agree with the vectors from landmark to landmark in both frames, as an interval less than half a turn wide, modulo whole
+    /// turns; `None` when these vectors do not decide on the heading.
     pub fn heading(&self) -> Option<Interval> {
         self.heading
     }
@@ -62,8 +62,8 @@ impl RigidPlanar {
         &self.groups
     }
 
-    /// The parts of an interval of headings that the vectors between landmarks allow, one part for each turn; the whole interval when these
-    /// vectors do not decide on the heading.
+    /// The parts of an interval of headings that agree with the vectors from landmark to landmark in both frames, one part for each turn; the whole
+    /// interval when these vectors do not decide on the heading.
     pub fn turns(&self, heading: Interval) -> Vec<Interval> {
         let Some(allowed) = self.heading else {
             return vec![heading];
@@ -82,15 +82,16 @@ impl RigidPlanar {
         parts.filter(|part| !part.is_empty()).collect()
     }
 
-    /// One pass over all landmarks, linearised about the middle of the pose box. This is the core of the contractor.
+    /// One pass of the contractor: bounds translation and heading by all landmarks, with their constraints linearised about the middle of the pose
+    /// box.
     pub(super) fn pass(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         let about = About::new(domain[2], [domain[0], domain[1]]);
         let h = about.reach;
         let [tau_x, tau_y] = about.translation_radius;
         let mut ranges = [(-tau_x, tau_x), (-tau_y, tau_y), UNKNOWN, UNKNOWN];
         let mut turn = (-h, h);
-        // Each group of landmarks bounds the translation and then the heading with the same rows, so that a single group needs no second pass
-        // over its rows.
+        // For each group of four landmarks the linearised constraints (rows) are computed once, and bound first the translation and then the
+        // heading. So when there is a single group, the heading profits at once from the bounds on the translation.
         for lanes in &self.groups {
             let rows = lanes.rows(&about);
             for (range, row) in ranges.iter_mut().zip(&rows) {
@@ -118,10 +119,11 @@ impl RigidPlanar {
         ])
     }
 
-    /// Passes over each part of the headings that is narrow enough for the linearisation to gain something.
+    /// Contracts a pose box by halving its heading interval until the parts are narrow enough for the linearised constraints, contracting each
+    /// part, and joining the results.
     ///
-    /// Headings of many turns are not cut into parts: they contain every direction again and again, so that a single turn decides about the
-    /// translation.
+    /// An interval of many turns is not cut into parts: it contains every direction again and again, so that a single turn decides about the
+    /// translation, and the heading stays as it is.
     pub(super) fn contract_turn(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         if domain.is_empty() {
             return IntervalBox::EMPTY;
@@ -146,12 +148,12 @@ impl RigidPlanar {
     }
 }
 
-/// Width of a heading interval above which it is halved. Lagrange's remainder h²/2 reaches an eighth there, and two halves give tighter bounds
-/// than the whole.
+/// Width in radians of a heading interval above which it is halved before the constraints are linearised. The error of linearising, Lagrange's
+/// remainder h²/2 for headings up to h off the middle, reaches an eighth there, and two halves give tighter bounds than the whole.
 const WIDEST_HEADING: f64 = 1.0;
 
-/// Whether an interval of headings is worth halving until the parts are narrow: it has no more turns than matter, and is not so far from 0 that
-/// doubles there are too far apart to halve it.
+/// Whether a heading interval is worth halving until the parts are narrow: it must not be so wide that it contains every direction many times, nor
+/// so far from 0 that the doubles there are too coarse to halve it.
 pub(super) fn is_divisible(heading: Interval) -> bool {
     heading.width() < WIDEST_RAD && heading.magnitude() < FARTHEST_RAD
 }
@@ -201,7 +203,8 @@ impl RigidPlanar {
         sum.map(|total| total / self.landmarks.len().max(1) as f64)
     }
 
-    /// Bounds the translation by |t − a| = |b|, which holds for any heading, as a box to start from.
+    /// Bounds each coordinate of the translation t by |t − a| = |b| for every landmark, at a in the frame of the pose and at b in the frame that
+    /// moves. This holds for any heading, and gives a bounded box to start from.
     pub(super) fn bound_by_lengths(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         let mut left = *domain;
         for (a, b) in &self.landmarks {
@@ -214,8 +217,9 @@ impl RigidPlanar {
     }
 }
 
-/// Bounds the coordinates x, y, p = c x + s y and q = −s x + c y of the translation by each other: an optimal vertex of a planar linear problem
-/// lies on two of its lines, so that all pairs of directions give the exact bounds.
+/// Bounds a point's coordinates along x and y and along the axes p and q, which are rotated by the angle with the cosine c and sine s, by each
+/// other: p = c x + s y, q = −s x + c y. An optimal corner of a planar linear problem lies on two of its lines, so that all pairs of these
+/// directions give the exact bounds.
 fn bound_translation(ranges: [(f64, f64); 4], c: f64, s: f64) -> [(f64, f64); 4] {
     let [x, y, p, q] = ranges;
     let nearly_axis = 0.05;
@@ -234,7 +238,7 @@ fn bound_translation(ranges: [(f64, f64); 4], c: f64, s: f64) -> [(f64, f64); 4]
     [bounded_x, bounded_y, bounded_p, bounded_q]
 }
 
-/// The range factor · range + other_factor · other, widened by what its rounding and that of the factors may have lost.
+/// The range factor · range + other_factor · other, widened by what rounding of the result and of the two factors may have lost.
 #[inline]
 fn combine(range: (f64, f64), factor: f64, other: (f64, f64), other_factor: f64) -> (f64, f64) {
     let ((mid, radius), (other_mid, other_radius)) = (mid_radius(range), mid_radius(other));
@@ -246,7 +250,7 @@ fn combine(range: (f64, f64), factor: f64, other: (f64, f64), other_factor: f64)
 
 #[inline]
 fn mid_radius((lo, hi): (f64, f64)) -> (f64, f64) {
-    // Middle and radius are rounded; every caller widens its result by far more than that.
+    // Middle and radius of the range are rounded; every caller widens its result by far more than that.
     (0.5 * (lo + hi), 0.5 * (hi - lo))
 }
 
@@ -282,8 +286,8 @@ fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
                 }
             });
         }
-        // A few baselines between landmarks are enough to decide on the heading's turn, and the rows do the rest; all pairs would be
-        // quadratically many.
+        // The vectors between a few landmarks are enough to find the heading to less than half a turn, and the linearised constraints narrow it
+        // further; the number of all pairs would be quadratic.
         if idx >= 5 && heading.is_some() {
             break;
         }

@@ -13,7 +13,7 @@ use super::{Landmark, RigidPlanar};
 /// **Sound.** The headings are first cut by the directions between landmarks, which no translation changes. Then each landmark contracts t and θ
 /// by the polar equation and by the rotation itself, repeatedly. Both are consequences of the constraint.
 ///
-/// **Not optimal.** The landmarks have only t and θ in common, while the rows of [`RigidPlanar`] compare them along four directions.
+/// **Not optimal.** The landmarks have only t and θ in common, while [`RigidPlanar`] compares each landmark's two boxes along four directions.
 ///
 /// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization", Engineering
 /// Applications of Artificial Intelligence 55 (2016), for the problem of Table IV of M. Mustafa et al., CSCS 2015.
@@ -25,12 +25,12 @@ pub struct RigidPolar {
 
 /// Another pass over the landmarks follows as long as some width of the pose shrinks by more than this fraction.
 const SIGNIFICANT: f64 = 0.01;
-/// Greatest number of passes over the landmarks. Slow convergence gains ever less per pass.
+/// Greatest number of passes of the contractor over all landmarks. Where convergence is slow, each further pass gains less.
 const MOST_PASSES: usize = 50;
 
 impl RigidPolar {
-    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in
-    /// the frame that moves.
+    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in the
+    /// frame that moves (for a robot's pose: the world frame and the robot frame).
     pub fn new(landmarks: &[Landmark]) -> RigidPolar {
         RigidPolar { motion: RigidPlanar::new(landmarks), landmarks: landmarks.to_vec() }
     }

@@ -1,7 +1,8 @@
 //! Planar rigid motion, linearised about a heading: four rows for each landmark, and four landmarks in a group of lanes.
 //!
-//! With a = t + R(θ) b, θ = θ₀ + δ, t = t₀ + τ, |δ| ≤ h and (c, s) = (cos θ₀, sin θ₀), each landmark says that four directions of τ (the axes of
-//! box A, and those of box B rotated by θ₀) lie in an affine function of δ, plus or minus a bound:
+//! With a = t + R(θ) b, θ = θ₀ + δ, t = t₀ + τ, |δ| ≤ h and (c, s) = (cos θ₀, sin θ₀), each landmark, with a in its box A and b in its box B, says
+//! that the coordinates of τ along four directions (the axes of A, and those of B rotated by θ₀) are an affine function of δ, plus or minus a
+//! bound:
 //!
 //! ```text
 //! along x:  τx           ∈ mx + δ gx ± ex     mx = ax − t₀x − (c bx − s by)      gx =   s bx + c by
@@ -23,10 +24,10 @@ pub(super) const LANES: usize = 4;
 /// more.
 pub(super) const SLACK: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// Absolute part of the slack for rounding errors, above anything that underflow can lose.
+/// Absolute part of the slack for rounding errors, above anything that underflow to zero can lose.
 pub(super) const TINY: f64 = 1e-290;
 
-/// The boxes (x, y) of one landmark: first in the frame in which the pose is expressed, then in the frame that moves.
+/// The boxes (x, y) of one landmark: first in the frame in which the pose is expressed (the world), then in the frame that moves (the robot's).
 pub type Landmark = ([Interval; 2], [Interval; 2]);
 
 /// Four landmarks, each by the midpoints and radii of its boxes in both frames.
@@ -43,8 +44,8 @@ pub(super) struct Lanes {
     b_norm: [f64; LANES],
 }
 
-/// The linearised constraint of four landmarks along one direction: the translation's value is in m + δ g ± e, where δ is the heading's
-/// deviation.
+/// The linearised constraints of four landmarks along one direction: the translation's coordinate along it is in m + δ g ± e, with the deviation δ
+/// of the heading from the one about which the rotation is linearised.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub(super) m: [f64; LANES],
@@ -58,10 +59,10 @@ pub(super) struct About {
     pub(super) heading: f64,
     pub(super) cosine: f64,
     pub(super) sine: f64,
-    /// Largest deviation |δ| of the heading.
+    /// Largest deviation |δ| of the heading from the heading about which the motion is linearised.
     pub(super) reach: f64,
     pub(super) translation: [f64; 2],
-    /// Largest deviation |τ| of the translation along x and y.
+    /// Largest deviation |τ|, along x and along y, of the translation from the one about which the motion is linearised.
     pub(super) translation_radius: [f64; 2],
 }
 
@@ -81,7 +82,8 @@ impl About {
 }
 
 impl Lanes {
-    /// Groups of four landmarks. The last group is filled up by repeating its last landmark, which changes no intersection.
+    /// Groups of four landmarks. The last group is filled up by repeating its last landmark; as all results are intersections over the landmarks,
+    /// that changes none of them.
     pub(super) fn groups(landmarks: &[Landmark]) -> Vec<Lanes> {
         landmarks
             .chunks(LANES)
@@ -104,12 +106,14 @@ impl Lanes {
             .collect()
     }
 
-    /// The linearised constraints (rows) of the four landmarks along the directions x, y, p and q.
+    /// The linearised constraints (rows) of the four landmarks along four directions: the axes x and y of the frame of the pose, and the axes p and
+    /// q, which are x and y rotated by the middle heading.
     #[inline]
     pub(super) fn rows(&self, about: &About) -> [Row; 4] {
         let (c, s, h) = (about.cosine, about.sine, about.reach);
         let curvature = 0.5 * h * h;
-        // Upper bounds of |cos θ − c|, |sin θ − s|, |cos θ| and |sin θ| for |θ − θ₀| ≤ h.
+        // Upper bounds of |cos θ − c|, |sin θ − s|, |cos θ| and |sin θ| for all headings θ within h of the middle heading θ₀, whose cosine and sine
+        // are c and s.
         let (cosine_moves, sine_moves) = (s.abs() * h + curvature, c.abs() * h + curvature);
         let (most_c, most_s) = ((c.abs() + cosine_moves).min(1.0), (s.abs() + sine_moves).min(1.0));
         let [t_x, t_y] = about.translation;
@@ -126,7 +130,8 @@ impl Lanes {
             let (turned_w_x, turned_w_y) = (c * w_x + s * w_y, c * w_y - s * w_x);
             let size = self.a_x[lane].abs() + self.a_y[lane].abs() + t_size + b_x.abs() + b_y.abs();
             let remainder_b = curvature * self.b_norm[lane];
-            // The norm ‖w‖₁ bounds the length ‖w‖ without a square root, but loosely: the root is worth its time.
+            // The length ‖w‖ of the vector from the translation to the landmark is computed with a square root: the sum of absolute coordinates
+            // would bound it without one, but too loosely.
             let remainder_w = curvature * (w_x * w_x + w_y * w_y).sqrt();
             let slack = SLACK * size + TINY;
             let (ra_x, ra_y) = (self.a_radius_x[lane], self.a_radius_y[lane]);
@@ -139,7 +144,7 @@ impl Lanes {
             y.g[lane] = -turned_b_x;
             p.g[lane] = turned_w_y;
             q.g[lane] = -turned_w_x;
-            // The slack also covers the rounding of the slopes times h, so it is multiplied by 1 + h.
+            // The slack for rounding also covers that of the slopes g, which are multiplied by heading deviations up to h; hence the factor 1 + h.
             let widen = 1.0 + SLACK;
             let slack = slack * (1.0 + h);
             x.e[lane] = (ra_x + most_c * rb_x + most_s * rb_y + remainder_b) * widen + slack;
@@ -152,7 +157,8 @@ impl Lanes {
 }
 
 impl Row {
-    /// Range of the direction's value for any |δ| ≤ `reach`: the intersection of m ± (|g| · `reach` + e) over the four landmarks.
+    /// Range of the translation's coordinate along the row's direction for any heading deviation |δ| ≤ `reach`: the intersection of m ± (|g| ·
+    /// `reach` + e) over the four landmarks.
     #[inline]
     pub(super) fn range(&self, reach: f64) -> (f64, f64) {
         let mut lo = [0.0; LANES];
@@ -165,14 +171,15 @@ impl Row {
         (greatest(lo), least(hi))
     }
 
-    /// Range of the heading's deviation δ: the intersection over the four landmarks of the δ for which m + δ g ± e can meet the value `mid ±
-    /// radius`.
+    /// Range of the heading's deviation δ when the translation's coordinate along the row's direction is in `mid ± radius`: the intersection, over
+    /// the four landmarks, of the δ for which m + δ g ± e can meet that range.
     #[inline]
     pub(super) fn turn(&self, mid: f64, radius: f64) -> (f64, f64) {
         let mut lo = [0.0; LANES];
         let mut hi = [0.0; LANES];
         for lane in 0..LANES {
-            // A slope smaller than this says nothing about δ. It is replaced by 1 in the division, and the resulting bounds are not used.
+            // A slope g smaller than this says nothing about the heading's deviation δ. It is replaced by 1 in the division, and the resulting
+            // bounds are not used.
             let slope = self.g[lane];
             let is_flat = slope.abs() < 1e-9;
             let inverse = 1.0 / if is_flat { 1.0 } else { slope };

@@ -21,19 +21,19 @@ use super::rigid_planar::CAUSE;
 /// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
 #[derive(Clone, Debug)]
 pub struct RigidTable {
-    /// For each landmark, a contractor on (tx, ty, θ, ax, ay) and the landmark's box in the first frame.
+    /// For each landmark, a contractor on (tx, ty, θ, ax, ay), and the landmark's box in the frame in which the pose is expressed.
     rows: Vec<(Inverse<5, 2, Within<2>>, [Interval; 2])>,
 }
 
 /// Another pass over the landmarks follows as long as some width of the pose shrinks by more than this fraction; the paper says "while
 /// contraction is significant".
 const SIGNIFICANT: f64 = 0.01;
-/// Greatest number of passes over the landmarks. Slow convergence gains ever less per pass.
+/// Greatest number of passes of the contractor over all landmarks. Where convergence is slow, each further pass gains less.
 const MOST_PASSES: usize = 50;
 
 impl RigidTable {
-    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in
-    /// the frame that moves.
+    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in the
+    /// frame that moves (for a robot's pose: the world frame and the robot frame).
     pub fn new(landmarks: &[Landmark]) -> RigidTable {
         let row = |&(a, b): &Landmark| {
             let equations = Inverse::new(

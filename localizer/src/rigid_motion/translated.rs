@@ -1,4 +1,4 @@
-//! Translation of a rigid motion: the position from landmarks, with the heading as it is known before.
+//! The position from landmarks when the heading is known beforehand: only the translation of the rigid motion is contracted.
 
 use interval::contractor::{Contractor, Outcome, q_intersection, settle};
 use interval::{Interval, IntervalBox};
@@ -35,7 +35,7 @@ impl<const N: usize> Contractor<3> for Translated<N> {
             .iter()
             .map(|(a, b)| {
                 let turned: [Interval; 2] = [cosine * b[0] - sine * b[1], sine * b[0] + cosine * b[1]];
-                // Rows 03 to 08 of Tables II and III: t = a − z with z = R(θ) b.
+                // Rows 03 to 08 of paper 3's Tables II and III: t = a − z with z = R(θ) b.
                 known.intersect(&IntervalBox::new(std::array::from_fn(|axis| a[axis] - turned[axis])))
             })
             .collect();

@@ -38,7 +38,7 @@ fn pictures() -> Vec<GrayImage> {
 #[test]
 fn both_chains_for_joints_return_from_any_picture() {
     for (at, image) in pictures().iter().enumerate() {
-        // The declared width of a tile joint alternates between a usual one and one far below a pixel.
+        // The declared width of a tile joint alternates from image to image between a usual one and one far below a pixel.
         let joint_width_px = [5.3, 0.3][at % 2];
         let view = FloorView { pixels_per_m: 1300.0, edge_px: [400.0, 400.0], joint_width_px, q_items: at % 2 };
         for (blur_px, turn_rad) in [([0.0, 0.0], 0.0), ([9.0, -4.0], 0.02)] {

@@ -24,21 +24,21 @@ pub(crate) mod trial;
 
 use crate::markers::{DOT_RADIUS_M, GridPlace, MarkerId};
 
-/// What the localizer is given about an image of the ceiling: declared values, not true ones.
+/// What the localizer is given about the ceiling camera and its view of the markers: declared bounds and nominal values, not the true ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CeilingView {
     /// Least and greatest radius of the image of a marker's dot.
     pub dot_radius_px: [f64; 2],
     /// Focal length of the camera, in pixels.
     pub focal_px: f64,
-    /// Tangent of the greatest angle between the optical axis and the vertical.
+    /// Tangent of the greatest angle between the ceiling camera's optical axis and the vertical.
     pub lean: f64,
     /// Least number of photoelectrons per grey level; it determines how much shot noise a dot's own light adds.
     pub electrons_per_grey: f64,
 }
 
 impl CeilingView {
-    /// The view of a camera with this focal length whose optical centre is between the two distances below the markers.
+    /// The declared view of a camera with this focal length, whose optical centre is between `distance_m[0]` and `distance_m[1]` below the markers.
     pub fn new(focal_px: f64, distance_m: [f64; 2], lean: f64, electrons_per_grey: f64) -> CeilingView {
         // A dot that is seen obliquely appears a little smaller or larger.
         let radius_px = |distance_m: f64, slack: f64| slack * focal_px * DOT_RADIUS_M / distance_m;
@@ -48,10 +48,10 @@ impl CeilingView {
     }
 }
 
-/// Motion of the image over the exposure: a shift and a rotation about a point.
+/// Motion of the image over the exposure: a shift, and a rotation about a given point of the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureMotion {
-    /// Shift of the image at the point about which the image turns.
+    /// Shift of the image over the exposure, at the point that the rotation leaves in place.
     pub shift_px: [f64; 2],
     /// Rotation of the image over the exposure, positive from u towards −v.
     pub turn_rad: f64,
@@ -70,7 +70,7 @@ impl PictureMotion {
 /// A bright dot that was found in the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dot {
-    /// Claimed position of the image of a marker dot's centre.
+    /// Claimed position of the image of a marker dot's centre, `[u, v]`.
     pub centre_px: [f64; 2],
     /// Claimed greatest error of a marker dot's position, along u and along v alike.
     pub bound_px: f64,
@@ -89,16 +89,17 @@ pub struct SeenMarker {
     pub id: MarkerId,
     /// All dots of the marker, with their places on its grid.
     pub dots: Vec<(GridPlace, Dot)>,
-    /// Confidence P(S) of the marker by paper 5, Eq. (3).
+    /// Confidence P(S) of the marker by Eq. (3) of paper 5, computed from its grey levels.
     pub confidence: f64,
 }
 
 /// Markers that were found in one image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CeilingMarkers {
-    /// Markers whose identity belongs to the code.
+    /// Markers that were read and whose identity is one of those in use.
     pub markers: Vec<SeenMarker>,
-    /// Dot grids that were examined and rejected, as segments `[u0, v0, u1, v1]` from dot X to dot Y, for debug frames.
+    /// Dot patterns that looked like a marker's grid and were rejected, for debug frames: each a line `[u0, v0, u1, v1]` from corner dot X to corner
+    /// dot Y, the ends of the pattern's diagonal.
     pub rejected_px: Vec<[f64; 4]>,
 }
 
@@ -114,7 +115,7 @@ impl SeenMarker {
     }
 }
 
-/// Of the given markers, the one nearest to a point of the image (Eq. 1).
+/// Of the given markers, the one nearest to a point of the image (Eq. 1 of paper 5).
 pub fn nearest(markers: &[SeenMarker], to_px: [f64; 2]) -> Option<&SeenMarker> {
     let distance = |marker: &SeenMarker| {
         let [u, v] = marker.centre_px();
@@ -123,7 +124,7 @@ pub fn nearest(markers: &[SeenMarker], to_px: [f64; 2]) -> Option<&SeenMarker> {
     markers.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// Reads all markers of an image. `is_word` has a flag for each of the 4096 possible identities: whether it is in use.
+/// Reads all markers of an image. `is_word` says for each of the 4096 possible identities whether it is in use.
 pub fn detect(
     image: &image::GrayImage,
     view: &CeilingView,

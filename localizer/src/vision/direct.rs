@@ -35,7 +35,7 @@ struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// Point of the image at a given position along a line and a given distance across from it.
+    /// Point of the image at a given position along a line and a given distance across from the line.
     fn point_px(&self, line: &Candidate, along_px: f64, across_px: f64) -> [f64; 2] {
         let (sin, cos) = line.normal_rad.sin_cos();
         let offset_px = line.offset_px + across_px;
@@ -66,14 +66,15 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
         blur_px,
         turn_rad,
     };
-    // Cells somewhat smaller than a tile joint keep the joint's contrast and lose most of the noise.
+    // Cells of the binned image that are somewhat smaller than a tile joint is wide keep the joint's contrast and lose most of the noise.
     let bin = (0.8 * view.joint_width_px).round().clamp(2.0, 8.0) as usize;
     let Some(plane) = ridge::binned_log(image, bin) else { return FloorLines::default() };
     let mut points = ridge::ridge_points(&plane, bin, size_px, STRONG_SHARE);
     let mut filters = Filters::new(view.joint_width_px);
     let mut result = FloorLines::default();
     let (mut grids, mut seen) = (Vec::new(), 0);
-    // The angle of the grid with the most votes is tried first; ridge points that it explains must not vote again for another angle.
+    // The angle with the most votes is tried first. Ridge points near the lines found at that angle are removed, so that they do not vote for the
+    // next one.
     for _ in 0..HYPOTHESES {
         let candidates = vote::candidates(&points, bin as f32, size_px);
         let mut joints: Vec<Joint> = Vec::new();
@@ -103,28 +104,30 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
     result
 }
 
-/// Number of angles that are tried: that of the tile joints, and that of a competing structure (a wire, a tape, a shadow's edge).
+/// Number of grid angles that are tried: that of the tile joints, and that of a competing structure (a wire, a tape, a shadow's edge).
 const HYPOTHESES: usize = 2;
 
-/// Ridges in the image that are fainter than this share of the strong ridges are side lobes of these.
+/// Ridges in the image that are fainter than this share of the strong ridges are taken for side effects of the strong ones' smoothing (side lobes)
+/// and left out.
 const STRONG_SHARE: f32 = 0.15;
-/// A line that no other line supports must extend over at least this share of the image's shorter side.
+/// If only one line is found in the image, it must extend over at least this share of the image's shorter side.
 const LONE_SPAN: f64 = 0.6;
 
-/// Whether a line that no other line supports is not contradicted by another one, either: nothing else in the image is straight.
+/// Whether the only line that was found may be taken for a tile joint: it is long, its width is that of a joint, and nothing else in the image is
+/// straight.
 ///
 /// `points` are all ridge points, including faint ones, because a black wire is stronger than the tile joints beside it.
 fn is_alone(lone: &Joint, points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]) -> bool {
     let mut points = points.to_vec();
-    // The side lobes of an image line's ridge reach up to four cells from it.
+    // The smoothing of a line's ridge leaves weak ridges (side lobes) beside it, up to four cells of the binned image away.
     vote::remove(&mut points, &lone.line, 5.0 * cell_px);
     lone.width_is_sure
         && lone.span_px > LONE_SPAN * f64::from(size_px[0].min(size_px[1]))
         && vote::candidates(&points, cell_px, size_px).is_empty()
 }
 
-/// Greatest share of a line's points that may be wrong: a wire, a crumb or a worn stretch that passes the checks spoils fewer points; by
-/// scatter alone one point in eighty is wrong.
+/// Greatest share of a line's points that may be farther than their bound from the tile joint. A wire, a crumb or a worn stretch that passes the
+/// checks spoils fewer points; scatter alone puts one point in eighty outside.
 const SHARE_WRONG: f64 = 0.20;
 
 /// Rough extent of a candidate line for debug frames: 60 px to either side of its point nearest to the image's centre.
@@ -139,7 +142,7 @@ mod tests {
     use crate::vision::synthetic::{Floor, Pattern, Random, Strip};
     use crate::vision::trial::{Tally, frames, plain_floor, realistic_floor, save};
 
-    /// Runs the chain on random floors of one kind and asserts that nothing it reports is false.
+    /// Runs the tile joint detection on random floors of one kind and asserts that no reported line, point or set of lines is false.
     fn trial(name: &str, seed: u64, usual: usize, mut floor: impl FnMut(&mut Random) -> Floor) -> Tally {
         let mut random = Random::new(seed);
         let mut tally = Tally::default();
@@ -251,7 +254,8 @@ mod tests {
 
     #[test]
     fn turning_on_the_spot_blurs_a_line_through_the_centre_at_its_ends() {
-        // By hand: a turn of 10 mrad moves a point 300 px along the line by 3 px across it, in opposite directions at the two ends.
+        // By hand: a turn of the robot by 10 mrad moves an image point 300 px along the line by 3 px across it, in opposite directions at the two
+        // ends.
         let picture =
             Picture { pixels: &[], stride: 640, centre_px: [319.5, 239.5], blur_px: [0.0, 0.0], turn_rad: 0.01 };
         let line = Candidate { normal_rad: 0.3, offset_px: 0.0, family: 0, dark: true, support: 0.0 };

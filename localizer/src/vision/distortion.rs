@@ -31,8 +31,8 @@ pub(crate) fn slopes([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [f64; 2]) -> [f64; 
     ]
 }
 
-/// Enclosure of the inverse distortion D⁻¹ over a box of image points: where a pinhole shows what the lens shows in
-/// that box, and the slopes of D⁻¹ there.
+/// Enclosure of the inverse lens distortion D⁻¹ over a box of image points: where a pinhole shows what the lens shows in that box, and the slopes of
+/// D⁻¹ there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unbent {
     /// Enclosure of the inverse lens distortion D⁻¹ over a box of image points: the points at which a pinhole shows what the lens shows there.
@@ -44,16 +44,17 @@ pub(crate) struct Unbent {
 
 /// Greatest number of Newton steps from a point in the lens's image to the point of the pinhole's image; each step doubles the correct digits.
 const NEWTON_STEPS: usize = 30;
-/// Greatest number of times that a box is widened because it does not contain its own Newton image; if more are needed,
-/// the lens is about to fold there.
+/// Greatest number of times that the trial box is widened because it does not contain the result of a Newton step from it. If more are needed, the
+/// lens is about to fold (to show two points at one place).
 const WIDENINGS: usize = 12;
 
-/// Inverse distortion D⁻¹ over a box of image points; `None` where the lens folds or is so close to folding that this cannot be ruled out.
+/// Inverse lens distortion D⁻¹ over a box of image points. `None` where the lens folds (shows two points at one place) or is so close to folding that
+/// this cannot be ruled out.
 ///
-/// Let x₀ be near D⁻¹ of the box's middle, X a box around x₀, and J the slopes over X. If N = x₀ − J⁻¹·(D(x₀) − y) lies within X for all
-/// points y of the given box, then for each y there is exactly one x in X with D(x) = y, and that x lies in N (Neumaier, *Interval methods
-/// for systems of equations*, 1990, theorem 5.1.7). By the mean value theorem the rows of J belong to two different points, so that its
-/// inverse is formed without using the symmetry.
+/// Let x₀ be near D⁻¹ of the box's middle, X a box around x₀, and J the slopes over X. If N = x₀ − J⁻¹·(D(x₀) − y) lies within X for all points y of
+/// the given box, then for each y there is exactly one x in X with D(x) = y, and that x lies in N (Neumaier, *Interval methods for systems of
+/// equations*, 1990, theorem 5.1.7). By the mean value theorem the rows of J belong to two different points, so that its inverse is formed without
+/// using the symmetry.
 pub(crate) fn unbent(distortion: [f64; 5], seen: [Interval; 2]) -> Option<Unbent> {
     if seen.iter().any(|at| !at.is_bounded() || at.is_empty()) {
         return None;
@@ -74,13 +75,15 @@ pub(crate) fn unbent(distortion: [f64; 5], seen: [Interval; 2]) -> Option<Unbent
             let determinant = a * b - mixed.sqr();
             return Some(Unbent { at: next, slopes: [b / determinant, -mixed / determinant, a / determinant] });
         }
-        // The box is widened by a tenth more than required, so that a box that is only just too small contains its Newton image in the next trial.
+        // The trial box is widened by a tenth more than required, so that a box that is only just too small contains the result of the next Newton
+        // step.
         within = [0, 1].map(|axis| next[axis].hull(within[axis]).inflate(0.1 * next[axis].radius()));
     }
     None
 }
 
-/// Inverse distortion of an image point that is given as two first-order models of parameters; their slopes follow from the chain rule.
+/// Inverse lens distortion of an image point whose two coordinates depend on some parameters: each is given as an interval of values and intervals of
+/// slopes by the parameters. The slopes of the result follow from the chain rule.
 pub(crate) fn unbent_models<const K: usize>(distortion: [f64; 5], seen: [Dual<K>; 2]) -> Option<[Dual<K>; 2]> {
     let Unbent { at, slopes: [a, mixed, b] } = unbent(distortion, seen.map(|model| model.value))?;
     let row = |value: Interval, by_x: Interval, by_y: Interval| Dual {
@@ -90,8 +93,8 @@ pub(crate) fn unbent_models<const K: usize>(distortion: [f64; 5], seen: [Dual<K>
     Some([row(at[0], a, mixed), row(at[1], mixed, b)])
 }
 
-/// Inverse distortion D⁻¹ of a single image point, rounded to nearest. The Newton iteration starts at the point itself
-/// and does not cross a fold of the lens.
+/// Inverse lens distortion D⁻¹ of a single image point, in ordinary floating-point numbers. The Newton iteration starts at the point itself and gives
+/// up at a fold of the lens.
 fn unbent_point(distortion: [f64; 5], seen: [f64; 2]) -> Option<[f64; 2]> {
     let mut at = seen;
     for _ in 0..NEWTON_STEPS {
@@ -111,8 +114,8 @@ fn unbent_point(distortion: [f64; 5], seen: [f64; 2]) -> Option<[f64; 2]> {
     Some(at)
 }
 
-/// Newton step: encloses J⁻¹·off for every matrix J whose rows lie in the given intervals; `None` where J may be
-/// singular or may reverse the orientation.
+/// One interval Newton step: encloses the solutions x of J·x = `[u, v]` for every matrix J whose rows lie in the given intervals. `None` where J may
+/// be singular or may reverse the orientation.
 fn newton([a, mixed, b]: [Interval; 3], [u, v]: [Interval; 2]) -> Option<[Interval; 2]> {
     let determinant = a * b - mixed * mixed;
     let is_regular = determinant.lo() > 0.0 && a.lo() > 0.0;
@@ -172,13 +175,14 @@ mod tests {
                 widest = widest.max(found.at[0].width().max(found.at[1].width()));
             }
         }
-        // By hand: the inverse distortion stretches by at most 1/(1 − 3·0.25·1.3 + 5·0.06·1.69) = 1.9, both along the radius and across it.
+        // By hand, for the lens of this test: the inverse distortion stretches by at most 1/(1 − 3·0.25·1.3 + 5·0.06·1.69) = 1.9, both along the
+        // radius and across it.
         assert!(widest < 2.2 * 0.002, "{widest}");
     }
 
     #[test]
     fn nothing_is_told_beyond_a_fold() {
-        // By hand: the distorted radius r·(1 − 0.25·r²) is greatest at r = 2/√3 = 1.155, where it is 0.770.
+        // By hand, for a lens with k1 = −0.25 only: the distorted radius r·(1 − 0.25·r²) is greatest at r = 2/√3 = 1.155, where it is 0.770.
         let lens = [-0.25, 0.0, 0.0, 0.0, 0.0];
         let at = |r: f64| unbent(lens, [Interval::centred(r, 0.001), Interval::ZERO]);
         assert!(at(0.70).is_some() && at(0.78).is_none() && at(1.5).is_none());

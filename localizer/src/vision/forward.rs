@@ -29,12 +29,13 @@ const GUIDANCE_PX: f32 = 2.5;
 const BORDER_PX: f64 = 14.0;
 /// Length that is cut off at each end of an edge, because edges are distorted where they meet other edges.
 const TRIM_PX: f64 = 4.0;
-/// Bound assumed for the ends of segments from the paper's chain, which states no bound: its filter moves edges by as much as this.
+/// Bound assumed for the ends of segments from the chain of paper 2, which states none: the chain's filter moves edges by about as much.
 const PRINTED_PX: f64 = 1.5;
 /// Least length of an edge; shorter edges do not determine a direction.
 const SHORTEST_PX: f64 = 45.0;
 
-/// A straight edge in an image: across the edge, both of its ends lie within their bound of the true image of one straight line.
+/// A straight edge in an image. Both of its ends lie within their bound, measured across the edge, of the line that a straight edge of the room has
+/// in the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeLine {
     /// First and last point of the edge, each `[u, v]`.
@@ -43,8 +44,8 @@ pub struct EdgeLine {
     pub bound_px: f64,
 }
 
-/// Straight edges found by the chain of paper 2: those that agree with its vanishing points. `ray` gives the direction
-/// in the camera frame in which a pixel looks.
+/// Straight edges found by the chain of paper 2: those segments that point to one of the vanishing points found. `ray` gives the direction in the
+/// camera frame in which a pixel looks.
 pub fn detect_as_printed(
     picture: &Picture,
     equalisation: Equalisation,
@@ -63,7 +64,7 @@ pub fn detect_as_printed(
 /// measured again in the unfiltered one, because the filter moves edges.
 pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
     if picture.width.min(picture.height) as f64 <= 2.0 * BORDER_PX {
-        // The whole image is border, so that no edge can be found.
+        // An image this small has no inside: all of its pixels belong to the border in which no edges are searched.
         return Vec::new();
     }
     let even = stabilise::stabilised(picture);
@@ -77,7 +78,8 @@ pub fn guided(binned: &Picture) -> Picture {
     guidance_filter::rolling_guidance_at_speed(binned, GUIDANCE_PX, 0.5, ROUNDS)
 }
 
-/// Segments of the filtered half-resolution image, in pixels of the full image `whole`: without border and ends, and only those that are long enough.
+/// Segments found in the filtered image of half resolution, converted to pixels of the full image `whole`. Parts in the image's border and the ends
+/// are cut off, and only segments that are still long enough are kept.
 pub fn long_segments(filtered: &Picture, whole: &Picture) -> Vec<Segment> {
     segments::segments(filtered, segments::NOISE_FLOOR)
         .iter()
@@ -86,7 +88,7 @@ pub fn long_segments(filtered: &Picture, whole: &Picture) -> Vec<Segment> {
         .collect()
 }
 
-/// Edges from segments that are measured again in the unfiltered image; of edges beside each other only one is kept.
+/// Edges from segments, measured again in the unfiltered image `even` with its even noise; of edges beside each other only the longest is kept.
 pub fn refitted(even: &Picture, segments: &[Segment]) -> Vec<EdgeLine> {
     let mut lines: Vec<EdgeLine> = segments.iter().filter_map(|segment| refit::refit(even, segment)).collect();
     refit::drop_repeats(&mut lines);

@@ -1,4 +1,4 @@
-//! Set-membership fit of a line to points: encloses all lines that are near enough to most of the points, without omitting any.
+//! Set-membership fit of a line to points: encloses all lines that are within the error bounds of most of the points, without omitting any.
 
 mod level;
 
@@ -31,18 +31,18 @@ struct Slice {
 }
 
 impl LineSet {
-    /// Hull of the offset over the lines that fit the points and whose normal angle lies in
-    /// `[normal_angle_lo, normal_angle_hi]`; `None` if there is no such line.
+    /// Hull of the offset over the lines that fit the points and whose normal angle lies in `[normal_angle_lo, normal_angle_hi]`; `None` if no line
+    /// with such an angle fits.
     pub fn offset_at(&self, normal_angle_lo: f64, normal_angle_hi: f64) -> Option<[f64; 2]> {
         let touches = |slice: &&Slice| slice.angle_rad[0] <= normal_angle_hi && slice.angle_rad[1] >= normal_angle_lo;
         self.slices.iter().filter(touches).map(|slice| slice.offset_px).reduce(hull)
     }
 }
 
-/// Tangent of the greatest angle between a line that fits the points and the best estimate. Points that span too short a line to bound the
-/// angle better are of no use; small angles also keep the local coordinates accurate.
+/// Tangent of the greatest angle between a line that fits the points and the best estimate. If the points span too short a line to bound the angle
+/// better, the fit gives no result; small angles also keep the local coordinates accurate.
 const SLOPE_MAX: f64 = 0.2;
-/// Widening of the lines' offsets above which a range of slopes is bisected once more.
+/// A range of slopes is bisected as long as its width would widen the lines' offsets by more than this.
 const SLACK_PX: f64 = 0.06;
 /// Absolute margin for rounding errors: coordinates below 10⁵ px have a spacing of 10⁻¹¹, and each passes through few operations.
 const ROUNDING: f64 = 1e-9;
@@ -56,7 +56,8 @@ const ROUNDING: f64 = 1e-9;
 /// `None` if no line is near enough to that many points, or if the points are too few or too close together to bound the direction.
 pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
     let count = points.len();
-    // The product is increased slightly, so that rounding can only allow one more wrong point, never one less.
+    // The number of points that may be wrong, a share of all, is rounded down. The product is increased slightly before that, so that rounding errors
+    // can only allow one more wrong point, never one less.
     let wrong = (share_wrong * count as f64 + ROUNDING).floor() as usize;
     let needed = count.checked_sub(wrong)?;
     if count < 2 || needed < 2 || points.iter().flatten().any(|value| !value.is_finite()) {
@@ -100,13 +101,13 @@ fn slice(leaf: &Leaf, direction_rad: f64) -> Slice {
     Slice { angle_rad, offset_px }
 }
 
-/// Centroid and normal angle of a line near most points: the best line through one of some pairs of points, then least
-/// squares through the nearest points.
+/// Estimates a line near most of the points: its centroid and the angle of its normal. The best of the lines through some pairs of points comes
+/// first, then least squares through the points nearest to it.
 fn estimate(points: &[[f64; 3]], needed: usize) -> Option<([f64; 2], f64)> {
     let count = points.len();
     let mut best: Option<(usize, [f64; 2], f64)> = None;
-    // Two points half of the list apart are far from each other if the list runs along the line. Ten such pairs almost
-    // certainly include one of two correct points.
+    // If the list of points runs along the line, two points half of the list apart are far from each other. Of ten such pairs, at least one almost
+    // certainly consists of two correct points.
     let stride = (count / 20).max(1);
     for first in (0..count - count / 2).step_by(stride) {
         let (a, b) = (points[first], points[first + count / 2]);
@@ -149,10 +150,11 @@ fn principal(ranked: &[(f64, [f64; 3])]) -> ([f64; 2], f64) {
     (mean, 0.5 * (2.0 * uv).atan2(uu - vv) + std::f64::consts::FRAC_PI_2)
 }
 
-/// An upper bound for the slope, in local coordinates, of every line that fits the points.
+/// An upper bound for the magnitude of the slope, in local coordinates, of every line that fits the points: that is within the bound of at least K of
+/// n.
 ///
-/// Of the K points nearest to the estimate, any such line is near at least `2K − n`. Two of these points are at least as far apart along
-/// the line as the shortest stretch that contains that many points, and `|Δx·sin δ| ≤ |Δy| + e_i + e_j`.
+/// Of the K points nearest to the estimate, any such line is near at least `2K − n`. Two of these points are at least as far apart along the line as
+/// the shortest stretch that contains that many points, and `|Δx·sin δ| ≤ |Δy| + e_i + e_j`, where δ is the line's angle and e_i a point's bound.
 fn greatest_slope(local: &[[f64; 3]], needed: usize) -> Option<f64> {
     let shared = (2 * needed).checked_sub(local.len()).filter(|&shared| shared >= 2)?;
     let mut core = local.to_vec();
@@ -173,8 +175,8 @@ mod tests {
     use super::*;
     use crate::vision::synthetic::Random;
 
-    /// Random points about a line with a given normal angle through a given place: `wrong` of them up to 9 px from it,
-    /// the others within their bounds.
+    /// Random points about a line with a given normal angle through `place`: `wrong` of them up to 9 px from the line, the others within their bounds
+    /// of it.
     fn scattered(
         random: &mut Random,
         count: usize,
@@ -204,7 +206,7 @@ mod tests {
         enclose(points, share_wrong).unwrap_or_else(|| panic!("a line near the points is in the set"))
     }
 
-    /// Whether a line is within the bounds of enough points, computed directly from the definition.
+    /// Whether a line is within the bounds of enough points, counted directly point by point.
     fn is_member(points: &[[f64; 3]], wrong: usize, centroid_px: [f64; 2], normal_rad: f64, offset_px: f64) -> bool {
         let (sin, cos) = normal_rad.sin_cos();
         let near = |point: &&[f64; 3]| {
@@ -213,8 +215,8 @@ mod tests {
         points.iter().filter(near).count() + wrong >= points.len()
     }
 
-    /// By brute force, the ends of the offset intervals of the lines that fit the points at one angle: whether a line fits changes with the
-    /// offset only where a point's bound is met.
+    /// For the lines of one angle that fit the points, the ends of the intervals of their offsets, by trying all: as the offset changes, a line
+    /// begins or ceases to fit only where its distance from a point equals the point's bound.
     fn members_at(points: &[[f64; 3]], wrong: usize, centroid_px: [f64; 2], normal_rad: f64) -> Vec<f64> {
         let (sin, cos) = normal_rad.sin_cos();
         let ends = points.iter().flat_map(|point| {
@@ -267,7 +269,8 @@ mod tests {
                     offsets = hull(offsets, [offset_px, offset_px]);
                 }
             }
-            // Twice the slack over the 250 px from the middle to an end of the line is 0.5 mrad.
+            // The two ends of the range of angles may each be too wide by the slack of 0.06 px over the 250 px from the middle to an end of the line:
+            // 0.5 mrad together.
             assert!(set.normal_angle_rad[1] - set.normal_angle_rad[0] < angles[1] - angles[0] + 6e-4);
             assert!(set.offset_px[1] - set.offset_px[0] < offsets[1] - offsets[0] + 0.12);
         }

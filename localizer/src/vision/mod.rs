@@ -26,7 +26,7 @@ pub(crate) mod synthetic;
 #[cfg(test)]
 mod trial;
 
-/// What the localizer is given about an image of a tiled floor: declared values, not true ones.
+/// What the localizer is given about the images of a tiled floor: declared bounds and nominal values, not the true ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorView {
     /// Nominal scale of the floor in the image, in pixels per metre.
@@ -35,28 +35,28 @@ pub struct FloorView {
     pub edge_px: [f64; 2],
     /// Width of a joint between floor tiles, in pixels.
     pub joint_width_px: f64,
-    /// At most this many of the lines found in one image may be no tile joints. Image processing does not use this
-    /// number; the contractor of the pose does.
+    /// At most this many of the lines found in one image may be no tile joints. Image processing does not use this number; the step that narrows the
+    /// box of possible poses by the lines does.
     pub q_items: usize,
 }
 
 /// A line in the image that is taken for the centre line of a joint between floor tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorLine {
-    /// Points of the line, each `[u, v, bound]`: at most a share of [`share_wrong`](Self::share_wrong) of the points
-    /// lies farther than its bound from the tile joint's centre line.
+    /// Points of the line, each `[u, v, bound]` in pixels: at most a share of [`share_wrong`](Self::share_wrong) of the points lies farther than its
+    /// bound from the tile joint's centre line.
     pub points_px: Vec<[f64; 3]>,
     /// Share of the line's points that may lie farther than their bound from the tile joint.
     pub share_wrong: f64,
-    /// Family that the line belongs to, 0 or 1: one of the two orthogonal families of tile joints, numbered arbitrarily in each image.
+    /// Family of parallel tile joints that the line belongs to, 0 or 1. The two families are orthogonal and are numbered arbitrarily in each image.
     pub family: u8,
 }
 
 /// Lines that were found in one image of a tiled floor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FloorLines {
-    /// Lines that are taken for tile joints.
+    /// Lines found in the image that are taken for tile joints.
     pub lines: Vec<FloorLine>,
-    /// Line segments `[u0, v0, u1, v1]` that were examined and rejected; they are drawn in debug frames.
+    /// Lines that were examined and rejected as tile joints, each a segment `[u0, v0, u1, v1]`; they are drawn in debug frames.
     pub rejected_px: Vec<[f64; 4]>,
 }

@@ -15,9 +15,10 @@ pub struct CameraPose {
     pub translation_m: Vector3<f64>,
 }
 
-/// Greatest residual of the P3P equations, Eq. (10), that a solution may have, relative to the squared sides of the triangle of points.
+/// Greatest residual of the P3P equations, Eq. (10) of paper 5, that a solution may have, relative to the squared sides of the triangle of points.
 const RESIDUAL: f64 = 1e-10;
-/// Greatest number of Newton steps. Newton's method converges quadratically, except at double roots, where each step only halves the error.
+/// Greatest number of Newton steps in the refinement of the points' distances. Newton's method converges quadratically, except at double roots, where
+/// each step only halves the error.
 const MOST_STEPS: usize = 24;
 
 /// All camera poses from which three points of the world are seen in the directions `rays` (of any length); none if the points lie on a line.
@@ -49,7 +50,7 @@ struct Triangle {
 }
 
 impl Triangle {
-    /// All solutions for the positive distances from the camera to the three points.
+    /// All solutions of the P3P equations for the distances, all positive, from the camera to the three points.
     fn distances(&self) -> Vec<Vector3<f64>> {
         let mut found: Vec<Vector3<f64>> = Vec::with_capacity(4);
         for ratio in self.sharpest_roots() {
@@ -60,7 +61,7 @@ impl Triangle {
                     found.push(distances);
                 }
             }
-            // Each real root of the cubic gives the same camera poses; another root is tried only if the previous one gave none.
+            // Each real root of the cubic leads to the same camera poses; another root is tried only if the previous one gave none.
             if !found.is_empty() {
                 break;
             }
@@ -239,7 +240,8 @@ mod tests {
     use super::*;
     use crate::vision::synthetic::Random;
 
-    /// A random camera pose with three random points in front of the camera, drawn as Persson and Nordberg do.
+    /// A random camera pose with three random points in front of the camera, drawn at random from the ranges that Persson and Nordberg use in their
+    /// paper on P3P.
     fn problem(random: &mut Random) -> ([Vector3<f64>; 3], [Vector3<f64>; 3], CameraPose) {
         let mut normal = || Vector3::new(random.normal(), random.normal(), random.normal());
         let axis = Unit::new_normalize(normal());

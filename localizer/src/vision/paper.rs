@@ -60,14 +60,16 @@ const BOUND_PX: f64 = 3.0;
 /// Growth of the claimed bound per pixel of motion that rotation adds at the image's corners, because a single
 /// point-spread function does not remove that motion.
 const BOUND_PER_TURN: f64 = 0.25;
-/// Least number of Hough votes of a line, as a share of the image's shorter side; a stretch of wire or the rim of a stain has fewer.
+/// Least number of Hough votes of a line that may be a tile joint, as a share of the image's shorter side; a stretch of wire or the rim of a stain
+/// has fewer votes.
 const VOTES_SHARE: f64 = 0.25;
-/// Distance from a line within which pixels of the skeleton support that line: the skeletons of bands stray by no more.
+/// Distance from a line within which pixels of the skeleton count as support for that line; the skeleton of a tile joint's band departs from the
+/// joint's centre line by no more.
 const SUPPORT_PX: f64 = 3.0;
-/// Greatest angle between a line and the direction of the strongest line, or the direction across it, for tile joints of the same floor.
+/// A line is taken for a tile joint only if its angle against the strongest line is within this of 0° or 90°.
 const FAMILY_RAD: f64 = 0.035;
 
-/// Finds the joints in an image of a tiled floor by the chain of paper 1; the arguments are those of
+/// Finds the joints in an image of a tiled floor by the processing chain of paper 1; the arguments are those of
 /// [`direct::detect`](super::direct::detect).
 ///
 /// The deconvolution uses one point-spread function, that of the image's centre; the rotation `turn_rad` widens the bounds instead.
@@ -96,7 +98,7 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
     result
 }
 
-/// The line through both ends of its supporting pixels, as three points with the claimed bound of their distance from a tile joint.
+/// The line through the two outermost of its supporting pixels, as three points with the claimed bound of their distance from a tile joint.
 fn line(image: &GrayImage, ends: [[f64; 2]; 2], turn_rad: f64, family: u8) -> FloorLine {
     let reach_px = 0.5 * f64::from(image.width()).hypot(f64::from(image.height()));
     let bound_px = BOUND_PX + BOUND_PER_TURN * turn_rad.abs() * reach_px;
@@ -122,8 +124,8 @@ fn ends(skeleton: &Binary, peak: &Peak) -> Option<[[f64; 2]; 2]> {
     (covered > 0.5 * (to - from)).then(|| [point(from), point(to)])
 }
 
-/// Which of the two families of tile joints a line belongs to, given the stronger lines; `None` if it fits neither
-/// family, or does not lie at the pitch.
+/// Which of the two families of parallel tile joints a line belongs to, given the stronger lines. `None` if the line fits neither family, or its
+/// distance from a line of its family is no multiple of the joints' pitch.
 fn family(peak: &Peak, kept: &[(Peak, u8)], view: &FloorView) -> Option<u8> {
     let Some((strongest, _)) = kept.first() else { return Some(0) };
     let quarter_turns = (peak.angle_rad - strongest.angle_rad) / FRAC_PI_2;
@@ -132,7 +134,8 @@ fn family(peak: &Peak, kept: &[(Peak, u8)], view: &FloorView) -> Option<u8> {
     let at_pitch = kept.iter().filter(|other| other.1 == family).all(|(other, _)| {
         let flipped = ((peak.angle_rad - other.angle_rad) / PI).round().rem_euclid(2.0) == 1.0;
         let apart_px = (if flipped { -peak.r_px } else { peak.r_px } - other.r_px).abs();
-        // Two lines that are askew by the tolerance differ in distance by up to a tenth of a pitch between the feet of their perpendiculars.
+        // The distances of the two lines are counted along perpendiculars with different feet. If the lines' angles differ by the tolerance, that
+        // shifts the difference of distances by up to a tenth of a pitch.
         view.edge_px.iter().any(|edge| (apart_px - (apart_px / edge).round().max(1.0) * edge).abs() < 0.1 * edge)
     });
     (askew_rad.abs() < FAMILY_RAD && at_pitch).then_some(family)

@@ -1,10 +1,10 @@
 //! Straightens an image: resamples an image taken through a distorting lens to the image that a pinhole camera would take.
 //!
-//! There are two frames, both with u right, v down and (0, 0) the centre of the first pixel: `raw`, that of the image as taken, and
-//! `pinhole`, that of a camera of the same size, focal length and principal point without distortion. The raw position of a pinhole's pixel
-//! follows directly from Brown and Conrady's formula, and only this direction is used, so that nothing has to be inverted. For a rolling
-//! shutter, whose rows are exposed one after the other, the straightened image may also be corrected for motion to what the pinhole would
-//! show at the stamp, if the motion is as estimated.
+//! There are two frames, both with u right, v down and (0, 0) the centre of the first pixel: `raw`, that of the image as taken, and `pinhole`, that
+//! of a camera of the same size, focal length and principal point without distortion. The raw position of a pinhole's pixel follows directly from
+//! Brown and Conrady's formula, and only this direction is used, so that nothing has to be inverted. For a rolling shutter, whose rows are exposed
+//! one after the other, the straightened image may also be corrected for motion: to what the pinhole camera would have shown at the time of the
+//! image's stamp, if the motion is as estimated.
 
 #[cfg(test)]
 #[allow(clippy::expect_used)]
@@ -15,7 +15,7 @@ use image::GrayImage;
 use super::{FloorLines, distortion};
 use interval::Interval;
 
-/// Estimated motion of the pinhole's image from the exposure of one raw row to that of the next.
+/// Estimated motion of the straightened (pinhole) image during the time from the exposure of one raw row to that of the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RowMotion {
     /// Shift at the middle of the image from one row's exposure to that of the next, to the right and down.
@@ -32,12 +32,12 @@ impl RowMotion {
     }
 }
 
-/// Straightening of images of one size behind one lens, with the source of every pixel of the straightened image. The
-/// principal point is the middle of the image.
+/// Straightening of images of one size behind one lens: it knows from which place of the raw image every pixel of the straightened image is taken.
+/// The principal point is the middle of the image.
 ///
-/// A lens with pincushion distortion shows less than the pinhole would, and a polynomial may fold back far from the middle. The
-/// straightened image is therefore cut, by the same amount on opposite sides, to the greatest rectangle of the same shape that the raw
-/// image fills: no pixel is invented, and the border of the straightened image needs no special treatment.
+/// A lens with pincushion distortion shows less than the pinhole would, and a polynomial may fold back far from the middle. The straightened image is
+/// therefore cut, by the same amount on opposite sides, to the greatest rectangle of the same shape that the raw image fills: no pixel is invented,
+/// and the border of the straightened image needs no special treatment.
 #[derive(Clone, Debug)]
 pub(crate) struct Straightening {
     distortion: [f64; 5],
@@ -63,13 +63,13 @@ struct Source {
 /// Least factor by which the lens may shrink what the straightened image shows. Below it the polynomial is about to
 /// fold back, and one raw pixel would be spread over five.
 const LEAST_SLOPE: f64 = 0.2;
-/// Greatest image motion from row to row of a rolling shutter that is corrected. An image with more motion is left as its rows were taken,
-/// because the correction would stretch the image by as much.
+/// Greatest image motion from one row of a rolling shutter to the next that is corrected. An image with more motion is not corrected for it, because
+/// the correction would stretch the image by as much.
 const MOST_ROW_MOTION_PX: f64 = 0.1;
 
 impl Straightening {
-    /// Prepares the straightening of images of a given size behind a lens with coefficients k1, k2, p1, p2, k3, whose rows are taken one
-    /// after the other in motion; `None` where nothing needs to be straightened.
+    /// Prepares the straightening of images of a given size behind a lens with coefficients k1, k2, p1, p2, k3. `rows` is the image motion from the
+    /// exposure of one row to that of the next. `None` where nothing needs to be straightened.
     pub(crate) fn new(raw_size_px: [u32; 2], focal_px: f64, distortion: [f64; 5], rows: RowMotion) -> Option<Self> {
         let rows = if rows.most_px(raw_size_px) < MOST_ROW_MOTION_PX { rows } else { RowMotion::default() };
         if distortion == [0.0; 5] && rows == RowMotion::default() {
@@ -94,7 +94,7 @@ impl Straightening {
     fn inset(&self) -> [u32; 2] {
         let half_px = self.raw_size_px.map(|size| 0.5 * f64::from(size));
         let middle_px = self.middle_px();
-        // Distance of a pixel from the middle of the image, in units of the image's own half width or half height.
+        // Distance of a pixel from the middle of the image along one axis, in units of half the image's width or height.
         let share = |axis: usize, at: f64| (at - middle_px[axis]).abs() / half_px[axis];
         let whole = Straightening { inset_px: [0, 0], sources: Vec::new(), ..*self };
         let without = whole.pixels().filter(|&pixel| !self.is_shown(pixel));
@@ -105,7 +105,8 @@ impl Straightening {
         })
     }
 
-    /// Whether the raw image shows what a pinhole's pixel would show, and the lens does not fold there.
+    /// Whether the raw image contains the place that a pixel of the pinhole image is taken from, and the lens does not fold (show two points at one
+    /// place) there.
     fn is_shown(&self, pinhole_px: [f64; 2]) -> bool {
         let pinhole_px = self.at_row(pinhole_px);
         let [a, mixed, b] = distortion::slopes(self.distortion, self.in_focal_lengths(pinhole_px));
@@ -141,17 +142,19 @@ impl Straightening {
         GrayImage::from_raw(width, height, self.sources.iter().map(grey).collect()).unwrap_or_default()
     }
 
-    /// Where the pinhole's image shows an object at the time at which its raw row is exposed, if it shows the object at `pinhole_px` at the stamp.
+    /// Where the pinhole's image shows an object at the time at which the object's row of the raw image is exposed, if it shows the object at
+    /// `pinhole_px` at the time of the image's stamp.
     ///
-    /// The motion from row to row is much less than a row, so that the result depends little on the row that is
-    /// assumed: three iterations end below 0.01 px.
+    /// The motion from row to row is much less than a row, so that the result depends little on the row that is assumed at first: three iterations
+    /// end below 0.01 px.
     fn at_row(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
         let (RowMotion { shift_px, turn_rad }, mut at) = (self.rows, pinhole_px);
         if self.rows == RowMotion::default() {
             return at;
         }
         let middle_px = self.middle_px();
-        // In the frame of a robot that turns by ω, the floor turns by −ω: with v down, a point q relative to the middle moves by ω·(−v, u).
+        // In the frame of a robot that turns by ω, the floor turns by −ω: with v down, a floor point at q from the middle of the image moves by
+        // ω·(−v, u).
         let way_px = [
             shift_px[0] - turn_rad * (pinhole_px[1] - middle_px[1]),
             shift_px[1] + turn_rad * (pinhole_px[0] - middle_px[0]),
@@ -163,13 +166,13 @@ impl Straightening {
         at
     }
 
-    /// Converts lines found in the straightened image to coordinates of the whole pinhole image. Each point is placed
-    /// where that image shows it when its row is exposed.
+    /// Converts lines found in the straightened image to coordinates of the uncut pinhole image. Each point is placed where the pinhole image shows
+    /// it at the time at which its raw row is exposed.
     pub(crate) fn in_pinhole(&self, mut found: FloorLines) -> FloorLines {
         let [left, above] = self.inset_px.map(f64::from);
         let place = |u: f64, v: f64| self.at_row([u + left, v + above]);
-        // Motion from row to row pulls neighbouring rows apart by that amount. Bounds are widened by twice that, for a
-        // lens that shows one row as more than one.
+        // Undoing the correction of motion stretches the image, row by row, by up to the motion between two rows. Bounds of points are widened by
+        // twice that share, because a lens may spread one raw row over more than one row of the straightened image.
         let pull = 1.0 + 2.0 * self.rows.most_px(self.raw_size_px);
         for point in found.lines.iter_mut().flat_map(|line| &mut line.points_px) {
             let [u, v] = place(point[0], point[1]);

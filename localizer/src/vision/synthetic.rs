@@ -1,4 +1,5 @@
-//! Synthetic images of tiled floors, made without the localizer's own templates: the ground truth of the tests in this folder.
+//! Synthetic images of tiled floors, made without the matched filters with which the localizer finds joints: the ground truth of the tests in this
+//! folder.
 
 use std::sync::OnceLock;
 
@@ -48,7 +49,7 @@ pub(super) enum Pattern {
     Plain,
     Speckle,
     Marble,
-    /// Parallel printed stripes with a pitch in pixels and a contrast.
+    /// Parallel stripes printed on the tiles, with their pitch in pixels and their contrast.
     Stripes {
         pitch_px: f64,
         contrast: f64,
@@ -81,15 +82,15 @@ pub(super) struct Floor {
     pub(super) joint_albedo: f64,
     /// Greatest departure of a tile's albedo from that of all tiles, relative to it.
     pub(super) tile_spread: f64,
-    /// Relative amplitude of the floor surface's texture.
+    /// Relative amplitude of the brightness texture of the floor's surface.
     pub(super) texture: f64,
     pub(super) pattern: Pattern,
     /// Greatest share of a tile joint's contrast that is worn off in places, 0 to 1.
     pub(super) wear: f64,
     pub(super) strips: Vec<Strip>,
-    /// Soft edge of a shadow through the image: the shadow's relative darkness and the angle of the edge's normal.
+    /// A shadow through the image, with a soft edge: its relative darkness and the angle of the edge's normal.
     pub(super) shadow: Option<(f64, f64)>,
-    /// Gradient of the light along u and v: logarithm of its change over half of the image's width.
+    /// Change of light over the image, along u and along v: logarithm of the change over half of the image's width.
     pub(super) gradient: [f64; 2],
     /// Photoelectrons of a pixel at mid grey (grey level 128).
     pub(super) electrons: f64,
@@ -100,7 +101,8 @@ pub(super) struct Floor {
     pub(super) turn_rad: f64,
 }
 
-/// Pseudo-random number of a point of an integer lattice, in `[−1, 1]`, taken from a table for speed.
+/// Pseudo-random number in `[−1, 1]` that belongs to a point of an integer lattice and a seed: always the same for the same point; read from a table
+/// for speed.
 fn lattice(u: i64, v: i64, seed: u64) -> f64 {
     static TABLE: OnceLock<Vec<f64>> = OnceLock::new();
     let table = TABLE.get_or_init(|| {
@@ -134,7 +136,7 @@ impl Floor {
         [self.angle_rad.sin(), self.angle_rad.cos()]
     }
 
-    /// For a point and a family of tile joints: the distance along the family's normal from the nearest joint's centre, that
+    /// For a point of the floor and one family of parallel tile joints: the distance along the family's normal from the nearest joint's centre, that
     /// joint's number, and the coordinate along the joint.
     fn nearest_joint(&self, [sin, cos]: [f64; 2], family: usize, u: f64, v: f64) -> (f64, i64, f64) {
         let grid = [u * cos + v * sin, v * cos - u * sin];
@@ -210,7 +212,7 @@ impl Floor {
             let (u, v) = (f64::from(column) - centre[0], f64::from(row) - centre[1]);
             let mut sum = 0.0;
             for sample in 0..samples {
-                // During the exposure, the floor point under a pixel moves opposite to the image motion.
+                // While the image moves during the exposure, the floor point that a fixed pixel sees moves the opposite way.
                 let time = (sample as f64 + 0.5) / samples as f64 - 0.5;
                 let (sin, cos) = (-self.turn_rad * time).sin_cos();
                 let (a, b) = (u - self.blur_px[0] * time, v - self.blur_px[1] * time);
@@ -226,7 +228,7 @@ impl Floor {
         })
     }
 
-    /// What the localizer is given about the image: declared values.
+    /// What the localizer is given about the synthetic image of the floor: declared values, here equal to the true ones.
     pub(super) fn view(&self) -> FloorView {
         FloorView {
             pixels_per_m: self.edge_px[0] / 0.30,

@@ -1,4 +1,4 @@
-//! Trials of a tile-joint-detection chain on synthetic floors: compares what it finds and claims with what is true.
+//! Trials of tile joint detection on synthetic images of floors: the lines found and the bounds claimed for them are compared with the truth.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
@@ -6,7 +6,8 @@ use std::time::Instant;
 use super::synthetic::{Floor, Pattern, Random, Strip};
 use super::{FloorLines, FloorView, line_fit};
 
-/// Function type of the chain under trial: image, declared view, image motion and rotation over the exposure; returns the lines found.
+/// Function under trial that detects tile joints. Its arguments are the image, the declared values of the camera's view, and the image motion and the
+/// robot's rotation over the exposure; it returns the lines found.
 pub(super) type Chain = fn(&image::GrayImage, &FloorView, [f64; 2], f64) -> FloorLines;
 
 /// Number of images per kind of floor; the environment variable `WHEREIN_VISION_FRAMES` sets another number for a long trial.
@@ -14,20 +15,20 @@ pub(super) fn frames(usual: usize) -> usize {
     std::env::var("WHEREIN_VISION_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// Results of a tile-joint-detection chain over a number of synthetic images of tiled floors.
+/// Results of detecting tile joints in a number of synthetic images of tiled floors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub(super) frames: usize,
-    /// Number of families of tile joints, summed over all images, of which a joint is visible over more than 200 px; and
-    /// number of those of which the chain found a joint.
+    /// Number of families of parallel tile joints in view, and number of those of which a joint was found; each is summed over all images. A family
+    /// is in view if one of its joints is visible over more than 200 px.
     pub(super) families_in_view: usize,
     pub(super) families_found: usize,
     pub(super) lines: usize,
     /// Number of lines that are no tile joint: most of their points are more than 2 px beyond their bound.
     pub(super) wrong_lines: usize,
-    /// Number of lines with more false points (farther from the tile joint than their bound) than the line's claim allows.
+    /// Number of lines with more points beyond their bound from the tile joint than the share of wrong points that the line declares.
     pub(super) false_claims: usize,
-    /// Number of fitted lines whose enclosing set of lines misses the true line.
+    /// Number of lines for which the set of lines fitted to the points does not contain the true line.
     pub(super) missed_sets: usize,
     pub(super) points: usize,
     /// Greatest distance of a point of a correct line from its tile joint, in units of the point's bound.
@@ -57,8 +58,8 @@ impl Tally {
         );
     }
 
-    /// Runs a chain on an image of a floor and compares the result with the truth. Returns the image, the lines found, and whether
-    /// everything that the chain reported is true.
+    /// Detects tile joints in an image of a floor and compares the result with the truth. Returns the image, the lines found, and whether everything
+    /// that was reported is true.
     pub(super) fn add(
         &mut self,
         chain: Chain,
@@ -94,7 +95,7 @@ impl Tally {
                 .count()
         };
         let middle = line.points_px[line.points_px.len() / 2];
-        // A line's claim is about one tile joint: the one from which the fewest of its points are farther than their bound.
+        // A reported line is compared with one tile joint: the joint for which the fewest of the line's points are farther away than their bound.
         let joints: Vec<(usize, i64)> = [0, 1]
             .into_iter()
             .flat_map(|family| {
@@ -127,7 +128,8 @@ impl Tally {
             self.worst = self.worst.max(distance.abs() / point[2]);
         }
         let Some(set) = line_fit::enclose(&line.points_px, line.share_wrong) else { return };
-        // The true line is expressed relative to the fitted set's own centroid and with the angle nearest to the set's.
+        // The true line is expressed relative to the centroid of the fitted set of lines, and its angle is chosen, modulo half a turn, nearest to the
+        // set's.
         let mut true_rad = floor.angle_rad + family as f64 * FRAC_PI_2;
         let half_turns = ((set.direction_rad - true_rad) / std::f64::consts::PI).round();
         true_rad += half_turns * std::f64::consts::PI;
@@ -142,7 +144,7 @@ impl Tally {
     }
 }
 
-/// A plain floor at a random position: the nominal scene of 0.30 m tiles under a camera of 1333 px/m.
+/// A plain floor at a random position and angle: the test scenes' usual floor of 0.30 m tiles under a camera of 1333 px/m.
 pub(super) fn plain_floor(random: &mut Random) -> Floor {
     let edge_px = [400.0, 400.0];
     Floor {
@@ -167,7 +169,7 @@ pub(super) fn plain_floor(random: &mut Random) -> Floor {
     }
 }
 
-/// A random floor with everything that the nominal scenes may contain.
+/// A random floor with everything that the test scenes' floors may contain: wear, patterns, wires, tapes, shadows, texture, uneven light and motion.
 pub(super) fn realistic_floor(random: &mut Random) -> Floor {
     let mut floor = plain_floor(random);
     if random.chance(0.25) {
@@ -175,7 +177,7 @@ pub(super) fn realistic_floor(random: &mut Random) -> Floor {
         floor.phase_px[1] = random.between(0.0, 600.0);
     }
     floor.tile_albedo = random.between(0.35, 0.8);
-    // Joints are mostly darker than the tiles, sometimes lighter; their contrast is never less than a fifth.
+    // Tile joints are mostly darker than the tiles, sometimes lighter; their albedo always differs from that of the tiles by at least 18 %.
     floor.joint_albedo = if random.chance(0.8) {
         floor.tile_albedo * random.between(0.3, 0.75)
     } else {
@@ -217,8 +219,8 @@ fn stray_strip(floor: &Floor, random: &mut Random) -> Strip {
     }
 }
 
-/// Writes an image with the lines found (their points in the colour of their family, rejected segments in red) to the folder named by the
-/// environment variable `WHEREIN_VISION_SAVE`.
+/// Writes an image, with the lines found marked in it, to the folder that the environment variable `WHEREIN_VISION_SAVE` names; without the variable
+/// nothing is written. A line's points have a colour for its family, rejected segments are red.
 pub(super) fn save(name: &str, picture: &image::GrayImage, found: &FloorLines, floor: &Floor) {
     let Ok(folder) = std::env::var("WHEREIN_VISION_SAVE") else { return };
     let mut canvas =

@@ -25,14 +25,14 @@ mod tones;
 pub use contact_sheet::{Column, contact_sheet};
 pub use tones::tone_mapped;
 
-/// Draws a figure: what the localizer saw in an image, beside a map of where that image put the robot. `None` when the record did not keep
-/// the image.
+/// Draws the figure of an image: what the localizer saw in it, beside a map of where it put the robot. `None` when the run's record has not kept the
+/// image.
 pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
     Some(figure::draw(file, record, image, &Seen::of(file, image.reading.as_ref()?)?))
 }
 
-/// Writes `image_*.png`, the image as the camera gave it, and `figure_*.png` for every reading that `record` kept. Returns the number of
-/// these readings.
+/// Writes the debug frames of every reading that the run's `record` has kept: `image_*.png`, the image as the camera gave it, and `figure_*.png`, the
+/// image beside a map. Returns the number of these readings.
 pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<usize, RecordError> {
     let mut count = 0;
     for image in &record.images {
@@ -52,7 +52,7 @@ pub(crate) fn write_errands(folder: &Path, file: &SceneFile, record: &RunRecord)
     naming("write", &path, errand_map::draw(file, record).save(&path).map_err(std::io::Error::other))
 }
 
-/// Writes the debug frames (`image_*.png` and `figure_*.png`) of the reading that left the widest box.
+/// Writes the debug frames (`image_*.png` and `figure_*.png`) of the reading after which the localizer's box was widest.
 pub(crate) fn write_widest(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
     let widest = record.widest_image.as_ref();
     let Some((image, reading)) = widest.and_then(|(index, reading)| Some((record.images.get(*index)?, reading))) else {
@@ -78,7 +78,7 @@ fn write_one(
     naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))
 }
 
-/// What a figure shows in its left panel.
+/// What the left panel of a debug figure shows.
 enum Seen<'a> {
     /// A camera image: its grey levels and its exposure time.
     Image { pixels: &'a GrayImage, exposure_s: f64 },

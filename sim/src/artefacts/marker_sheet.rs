@@ -1,8 +1,8 @@
 //! Ceiling markers to print, one on each A4 page, at true scale.
 //!
-//! A page shows a marker as the camera sees it from below: with the direction from O to X pointing right, the direction from O to Y points
-//! down. When the page is held overhead, printed side down and with the arrow along world x, its y axis points along world y; seen from
-//! above, through the paper, the turn from X to Y is counter-clockwise.
+//! A marker's axes are named by the dots in three of its corners: x points from dot O to dot X, y from dot O to dot Y. A page shows the marker as the
+//! camera sees it from below: x points right and y points down. When the page is held overhead, printed side down and with its x arrow along world x,
+//! its y axis points along world y; seen from above, through the paper, the turn from x to y is counter-clockwise.
 
 mod pdf;
 
@@ -13,14 +13,14 @@ use crate::{
 
 use pdf::{A4_MM, Page, document};
 
-/// Distance from the middle of a marker to the edge of its square.
+/// Distance from the middle of a marker to the edge of the square that is cut out of the page.
 const HALF_WIDTH_MM: f64 = 80.0;
 /// Position of the marker's middle on its page.
 const MIDDLE_MM: [f64; 2] = [A4_MM[0] / 2.0, 125.0];
 /// Length of the printed ruler, by which the scale of a print is checked.
 const RULER_MM: f64 = 50.0;
 
-/// A PDF with one page for each of the scene's markers that are on the map.
+/// A PDF with one page for each of the scene's markers that are on the localizer's map.
 pub fn marker_sheet(scene: &Scene, markers: &Markers) -> Vec<u8> {
     let on_map = markers.all().iter().filter(|marker| marker.on_map);
     document(on_map.map(|marker| page(marker, markers, scene)).collect())
@@ -53,7 +53,8 @@ fn page(marker: &Marker, markers: &Markers, scene: &Scene) -> Page {
             marker.y_m
         ),
     );
-    // One arrow points along O to X, beyond the dots but within the square, and one along O to Y.
+    // One printed arrow points in the direction from corner dot O to corner dot X, beyond the dots but within the marker's square, and one from O to
+    // Y.
     let arrow_y = middle_y - 76.0;
     arrow(&mut page, [middle_x - 30.0, arrow_y], [middle_x + 30.0, arrow_y]);
     page.text([middle_x - 29.0, arrow_y + 4.5], 3.5, &direction(marker));

@@ -9,13 +9,13 @@
 //! | `/wherein/…` | readings, starts and estimates to the last bit: what [`crate::artefacts::replay`] reads |
 //! | `/floor_camera/image`, `/floor_camera/camera_info` | lossless images and the nominal calibration; likewise `forward_camera`, `ceiling_camera` |
 //! | `/joint_states`, `/imu` | wheels and gyroscope as ROS 2 has them |
-//! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the estimate's hull, by wheel odometry alone |
+//! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the box around the estimate, by wheel odometry alone |
 //! | `/tf`, `/tf_static` | frames `robot` at the estimated pose and `true_robot` at the true pose; the cameras' nominal mounts |
-//! | `/boxes` | the union of boxes, 20 times a second |
-//! | `/log` | when doubt begins and ends, contradictions, broken bounds, and who is to blame |
+//! | `/boxes` | the estimate's union of boxes, 20 times a second |
+//! | `/log` | when the localizer begins and ceases to doubt its assumptions, contradictions, broken bounds, and what is to blame |
 //!
 //! The metadata record `wherein_format` comes first. The scene's text is the attachment `scene.toml`; the metadata record `wherein` at the
-//! end names seed, version, adapter and digests.
+//! end names seed, version, graphics adapter and digests.
 
 use localizer::{Estimate, Pose, Reading, RobotModel, Status, localizer::Account};
 
@@ -41,7 +41,7 @@ pub use reader::RecordingError;
 
 /// Name of the attachment of a recording that holds the scene's text.
 pub(crate) const SCENE_ATTACHMENT: &str = "scene.toml";
-/// Name of the metadata record of a recording that holds seed, version, adapter and digests.
+/// Name of the metadata record of a recording that holds the run's seed, version, graphics adapter and digests.
 pub(crate) const METADATA: &str = "wherein";
 /// Name of the metadata record that holds the recording's [`FORMAT`]; it comes before everything else in the file.
 pub(crate) const FORMAT_METADATA: &str = "wherein_format";
@@ -69,7 +69,7 @@ impl Form {
     }
 }
 
-/// Receiver of the messages of a stream, such as a file or a server for viewers.
+/// Receiver of the messages of a run's stream, such as a file or a server for viewers.
 trait Sink {
     /// Takes a message of a topic; `kind` is the message type `package/Type`, `time_ns` the simulated time.
     fn put(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]);

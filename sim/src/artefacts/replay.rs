@@ -39,7 +39,7 @@ pub struct Replay {
     pub seed: String,
     /// The replayed estimates, one for each recorded one.
     pub estimates: Vec<Estimate>,
-    /// Number of replayed estimates that differ from the recorded ones in any bit of time, status or bounds.
+    /// Number of replayed estimates that differ from the recorded ones in any bit of their time, status or boxes.
     pub n_different: usize,
     /// Time of the first estimate that differs from the recorded one.
     pub first_different_s: Option<f64>,
@@ -71,7 +71,7 @@ struct Replayer<'a> {
     path: &'a Path,
     /// The localizer, and the scene from which it was built.
     subject: Option<(Scene, IntervalLocalizer)>,
-    /// Stamp of the image that comes next in the recording.
+    /// Stamp of the image whose pixels come next in the recording.
     stamp: Option<ImageStamp>,
     offset_s: f64,
     found: Replay,

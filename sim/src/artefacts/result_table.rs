@@ -31,9 +31,9 @@ pub struct Outcome {
 pub enum Kind {
     /// One run, or all runs of a scene.
     Runs,
-    /// A method's part in the runs of a scene.
+    /// The part that one of the localizer's methods had in the runs of a scene.
     Method,
-    /// A baseline: another method's result from the same readings.
+    /// A baseline: the result of another localization method from the readings that the localizer was given.
     Baseline,
 }
 

@@ -5,10 +5,10 @@
 //! | `summary.json` | the verdict with all its figures; equal bytes for equal runs |
 //! | `timing.json` | how long the run took, in a file of its own because it differs from run to run |
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
-//! | `boxes.csv` | every branch of every estimate |
+//! | `boxes.csv` | every box of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
-//! | `marker_tables.md` | paper 5's Tables 1 to 3, of a run at stations under markers |
+//! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was given and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
@@ -46,7 +46,7 @@ pub use summary::{Summary, Timing};
 pub struct RecordError {
     /// The action that failed.
     pub action: &'static str,
-    /// The file or folder that the action was about.
+    /// The file or folder for which the action failed.
     pub path: PathBuf,
     /// Error that the system reported.
     pub source: io::Error,
@@ -79,7 +79,7 @@ pub fn prepare_for(file: &Path) -> Result<(), RecordError> {
     prepare(folder)
 }
 
-/// Writes all files of a run, with debug frames of the images whose reading `record` kept, and returns the run's folder.
+/// Writes all files of a run, with debug frames of the images that the run's `record` has kept, and returns the run's folder.
 ///
 /// An existing folder of the same run is replaced. If an error occurs, the existing folder stays as it was.
 pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {

@@ -1,4 +1,4 @@
-//! The cases of a sweep, or the runs below a folder, with their results. Tables, reports and comparisons are made of them.
+//! The cases of a sweep (one run each), or the runs below a folder, with their results. Tables, reports and comparisons are made from these results.
 
 use std::{
     fs,
@@ -65,7 +65,7 @@ impl Results {
         }
     }
 
-    /// Reads those cases of a sweep for whose index in the plan `is_meant` is true.
+    /// Reads the results of some cases of a sweep: those for which `is_meant` is true of the case's index in the plan.
     pub fn of_sweep(folder: &Path, plan: Plan, is_meant: &dyn Fn(usize) -> bool) -> Results {
         let meant = plan.planned().into_iter().filter(|case| is_meant(case.index));
         let result = |case: crate::campaign::sweep::PlannedCase| CaseResult {
@@ -107,7 +107,7 @@ impl Results {
         keys
     }
 
-    /// Returns the cases for which no record was found.
+    /// Returns the cases without a record, which have not run.
     pub fn missing(&self) -> impl Iterator<Item = &CaseResult> {
         self.cases.iter().filter(|case| case.recorded == Recorded::Missing)
     }
@@ -159,7 +159,7 @@ impl CaseResult {
         self.summary().map_or(&Value::Null, |summary| &summary["containment"]["first_failure"])
     }
 
-    /// Returns all figures of the case; none when the case did not run.
+    /// Returns all numerical results of the case; none when the case did not run.
     pub fn figures(&self) -> Figures {
         self.summary().map(figures).unwrap_or_default()
     }

@@ -1,14 +1,15 @@
 //! Comparison of two sets of results, paired case by case.
 //!
-//! Both sides ran the same scenes with the same seeds, so that each case has a difference of its own. Cases of one seed share everything
-//! drawn with that seed, however many values of a key they run over; they are not independent samples. The unit of the statistics is
-//! therefore the seed, with the mean difference over its cases, and the interval is a paired t interval over the seeds. If the two sides
-//! do not differ, exchanging them changes nothing; hence a difference is symmetric about 0, and for symmetric differences the tails of t
-//! are no heavier than Student's (Efron, J. Am. Stat. Assoc. 64, 1969). All intervals hold together with the stated confidence, by
-//! Bonferroni's division, so that chance does not look like a finding in a long list of figures.
+//! Both sets of results, here called sides, are of the same scenes and seeds, so that each case has a difference of its own. Cases of one seed share
+//! everything drawn with that seed, however many values of a key they run over; they are not independent samples. The unit of the statistics is
+//! therefore the seed, with the mean difference over its cases, and the interval is a paired t interval over the seeds. If the two sides do not
+//! differ, exchanging them changes nothing; hence a difference is symmetric about 0, and for symmetric differences the tails of t are no heavier than
+//! Student's (Efron, J. Am. Stat. Assoc. 64, 1969). All intervals hold together with the stated confidence, by Bonferroni's division, so that chance
+//! does not look like a finding in a long list of compared quantities.
 //!
-//! A single case refutes the guarantee, without any statistics: a case that loses the truth where the first side kept it, that is unsound
-//! or misperceives more often, that misses an expectation which the first side met, or that is missing in the second side.
+//! A single case refutes the guarantee, without any statistics: a case that loses the truth where the first side kept it, that has more steps at
+//! which the localizer or its vision is to blame for the loss, that misses an expectation which the first side met, or that is missing in the second
+//! side.
 
 mod load;
 mod student;
@@ -23,25 +24,26 @@ pub use text::as_text;
 /// Default confidence with which all intervals of a comparison hold together.
 pub const CONFIDENCE: f64 = 0.99;
 
-/// Greatest difference, relative to the values, that is taken for rounding.
+/// Greatest relative difference of two results that counts as an error of rounding and is set to 0.
 const ROUNDING: f64 = 1e-9;
 
-/// A figure in which two sets of results are compared.
+/// A numerical result, such as the mean width of the box, in which two sets of results are compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared {
-    /// Name of the figure in `results.csv`.
+    /// Name of the compared quantity in `results.csv`.
     pub figure: &'static str,
-    /// Name of the figure for people.
+    /// Name of the compared quantity for people.
     pub name: &'static str,
-    /// Unit in which the figure is shown.
+    /// Unit in which the compared quantity is shown.
     pub unit: &'static str,
-    /// Factor that converts the figure from its unit in `results.csv` to the shown unit.
+    /// Factor that converts the compared quantity from its unit in `results.csv` to the shown unit.
     pub scale: f64,
-    /// Whether a lower value of the figure is better.
+    /// Whether a lower value of the compared quantity is better.
     pub less_is_better: bool,
 }
 
-/// The figures that are compared. They are few and do not repeat each other, as each further figure widens the intervals of all.
+/// The quantities in which results are compared. They are few and do not repeat each other, as each further one widens the confidence intervals of
+/// all.
 pub const COMPARED: [Compared; 7] = [
     figure("containment.contained_share", "contained", "%", 1e2, false),
     figure("error.position_m.mean", "position error", "mm", 1e3, true),
@@ -64,58 +66,59 @@ const fn figure(
     Compared { figure, name, unit, scale, less_is_better }
 }
 
-/// Result of a comparison in one figure: how the second side is compared with the first.
+/// Whether the second of two sets of results is better or worse than the first in one quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
-    /// The second side is better than the first.
+    /// In this quantity the second set of results is better than the first.
     Better,
-    /// The second side is worse than the first.
+    /// In this quantity the second set of results is worse than the first.
     Worse,
-    /// The difference may be chance, or there is none.
+    /// The difference between the two sets of results may be chance, or there is none.
     NotDistinguishable,
 }
 
-/// Comparison of both sides in one figure.
+/// Comparison of two sets of results in one quantity.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// Figure that is compared.
     pub compared: Compared,
-    /// Means of both sides over the seeds, in the figure's own unit.
+    /// Mean over the seeds in either set of results, in the unit of `results.csv`.
     pub means: [f64; 2],
-    /// Confidence interval of the mean difference, second side minus first; unbounded when there are too few seeds.
+    /// Confidence interval of the mean difference, second set of results minus first; unbounded when there are too few seeds.
     pub difference: [f64; 2],
-    /// Whether the second side is better or worse in this figure.
+    /// Whether the second set of results is better or worse in this quantity.
     pub finding: Finding,
 }
 
 /// Complete comparison of two sets of results.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// Number of pairs of cases that both sides ran.
+    /// Number of cases that both sets of results have.
     pub n_pairs: usize,
-    /// Number of different seeds among the pairs.
+    /// Number of different seeds among the cases that both sets of results have.
     pub n_seeds: usize,
-    /// Cases that only one side ran: those of the first side, and those of the second.
+    /// Cases that only one of the two sets of results has: those of the first set, and those of the second.
     pub unpaired: [Vec<String>; 2],
-    /// Cases in which the first side contained the truth at every step and the second did not.
+    /// Cases in which the first set of results has the truth in the box at every step and the second does not.
     pub lost: Vec<String>,
-    /// Cases in which the second side contained the truth at every step and the first did not.
+    /// Cases in which the second set of results has the truth in the box at every step and the first does not.
     pub won: Vec<String>,
-    /// Cases in which the second side has more unsound steps than the first, or more steps for which perception is to blame.
+    /// Cases in which the second set of results has more steps than the first at which the truth is outside the estimate and the cause is a false
+    /// claim of the vision, or no cause but the localizer is found.
     pub graver: Vec<String>,
-    /// Cases that met the scene's expectations in the first side and do not meet them in the second.
+    /// Cases that met the scene's expectations in the first set of results and do not meet them in the second.
     pub missed: Vec<String>,
-    /// Cases that the first side ran, and that failed or are missing in the second although its sweep includes them.
+    /// Cases that ran in the first set of results, and that failed or are missing in the second although its sweep includes them.
     pub failed: Vec<String>,
-    /// Figures that, in some pair of cases, only one of the two sides has.
+    /// Names of the compared quantities for which, in some pair of cases, only one of the two sets of results has a value.
     pub half_known: Vec<&'static str>,
-    /// Comparison of each single figure.
+    /// Comparison in each single quantity.
     pub lines: Vec<Line>,
     /// Confidence with which all intervals hold together.
     pub confidence: f64,
 }
 
-/// Compares two sides. `confidence`, between 0 and 1, is the confidence with which all intervals hold together.
+/// Compares two sets of results. `confidence`, between 0 and 1, is the confidence with which all intervals hold together.
 pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
     let pairs: Vec<(&String, &load::Case, &load::Case)> =
         first.cases.iter().filter_map(|(name, case)| Some((name, case, second.cases.get(name)?))).collect();
@@ -159,7 +162,8 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
 }
 
 impl Comparison {
-    /// Whether the second side is worse in anything, or lacks cases or figures that the first side has.
+    /// Whether the second set of results is worse in anything, or either set lacks a quantity that the other has, or the second lacks cases of the
+    /// first.
     pub fn is_worse(&self) -> bool {
         let refuting = [&self.lost, &self.graver, &self.missed, &self.failed, &self.unpaired[0]];
         refuting.iter().any(|cases| !cases.is_empty())
@@ -167,8 +171,8 @@ impl Comparison {
             || self.lines.iter().any(|line| line.finding == Finding::Worse)
     }
 
-    /// Overrides the finding for the contained share: a single case that lost the truth makes the second side worse, whatever the mean;
-    /// without such a case, cases that regained the truth make it better.
+    /// Replaces the statistical result for the share of steps with the truth in the box: a single case that lost the truth only in the second set
+    /// makes this set worse, whatever the mean; without such a case, cases that regained the truth make it better.
     fn hold_to_the_guarantee(&mut self) {
         let finding = match (self.lost.is_empty(), self.won.is_empty()) {
             (false, _) => Finding::Worse,
@@ -180,7 +184,7 @@ impl Comparison {
     }
 }
 
-/// Compares both sides in one figure; none when no pair has the figure.
+/// Compares both sets of results in one quantity; none when no case has a value of it in both sets.
 fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], confidence: f64) -> Option<Line> {
     let mut by_seed: BTreeMap<u64, Vec<[f64; 2]>> = BTreeMap::new();
     for (_, one, other) in pairs {

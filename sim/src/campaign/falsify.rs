@@ -5,8 +5,9 @@
 //!                                                                    └────> journal ─> summary
 //! ```
 //!
-//! The search's seed and the number of a case determine the scene of the case and the seed of its run, so that every scene can be drawn again
-//! from these two numbers. Cases that are done are recorded in a journal: a search that was killed continues where it stopped.
+//! In the diagram, `grammar` draws random scenes, hits are failures that a run shows, and `shrink` reduces a failing scene to a small one. The
+//! search's seed and the number of a case determine the scene of the case and the seed of its run, so that every scene can be drawn again from these
+//! two numbers. Cases that are done are recorded in a journal: a search that was killed continues where it stopped.
 
 mod child;
 mod dice;
@@ -33,13 +34,13 @@ pub use wish::{Hit, Wish, hits};
 
 use toml::Table;
 
-/// Returns the scene of case `number` of a search, as drawn at its `attempt`, and the seed of its run. The scene may be invalid, and is
-/// refused in this case.
+/// Returns the scene of case `number` of a search, and the seed of its run. The scene may be invalid and be refused; then the next `attempt`, counted
+/// from 0, draws another.
 pub fn drawn(seed: u64, profile: Profile, number: u64, attempt: u64) -> (Table, u64) {
     grammar::scene(&dice::Draws::of(seed, number, attempt), profile)
 }
 
-/// Returns every key that scenes have, as dotted paths without indices.
+/// Returns every key that scenes can have, as dotted paths without the indices of list items.
 pub fn keys() -> Vec<String> {
     grammar::paths()
 }

@@ -42,7 +42,8 @@ fn status(case: &CaseResult) -> TestCaseStatus {
     }
 }
 
-/// Returns time, axis, margin and blame of the first step at which the truth was outside; if it never was, the expectations that the case missed.
+/// Returns time, axis, distance and cause of the first loss of the truth, at which the true pose was outside the estimate; if there was none, the
+/// expectations that the case missed.
 pub fn failure_message(case: &CaseResult) -> String {
     first_outside(case).unwrap_or_else(|| case.missed_expectations().join("; "))
 }

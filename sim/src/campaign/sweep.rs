@@ -33,8 +33,8 @@ pub use workers::{Finished, Work, run_cases};
 pub struct Sweep {
     /// Path of the scene's file.
     pub scene: PathBuf,
-    /// Keys that vary; the one that changes slowest comes first.
+    /// Scene keys that vary, with their values; the key that changes slowest from case to case comes first.
     pub vary: Vec<Variable>,
-    /// Seeds that each combination runs with.
+    /// Seeds with which each combination of the keys' values runs.
     pub seeds: Range<u64>,
 }

@@ -1,4 +1,4 @@
-//! Measures how tight the bounds of a run are: the localizer is given ever narrower bounds until it loses the truth.
+//! Measures how tight the declared bounds of a run are: the localizer is given ever narrower bounds until it loses the true pose.
 
 use localizer::Status;
 use serde::Serialize;
@@ -11,10 +11,11 @@ use crate::{
     subject::SubjectOf,
 };
 
-/// Tenths of the declared bounds that the localizer is given, one after the other.
+/// Shares of the declared bounds, in tenths, that the localizer is given in one repetition of the run after the other, from 0.9 to 0.1.
 const TENTHS: [u8; 9] = [9, 8, 7, 6, 5, 4, 3, 2, 1];
 
-/// The share of its declared bounds at which a run loses the truth, and how it is lost.
+/// Result of repeating a run while the localizer is given only a share of each declared bound: the share at which the true pose is lost, and how it
+/// is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Weakened {
     /// Greatest share of the declared bounds at which the truth is lost: 1 where the run loses the truth with the declared bounds
@@ -34,9 +35,9 @@ pub struct Weakened {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lost {
-    /// The truth is outside every box.
+    /// The true pose is outside every box of the estimate.
     Outside,
-    /// No box is left.
+    /// The estimate has no box left.
     Empty,
     /// The localizer doubts an assumption.
     Recovering,
@@ -53,14 +54,15 @@ impl Lost {
     }
 }
 
-/// Simulates a recorded run again by its commands and with its drawn values, while the localizer is given 0.9, 0.8, … 0.1 of every bound
-/// that the scene declares, until it loses the truth. The box of start poses is given unchanged. `progress` is called with the share and
-/// the simulated time.
+/// Simulates a recorded run again, with the recorded wheel commands and the values that were drawn at random for it, while the localizer is given
+/// 0.9, 0.8, … 0.1 of every bound that the scene declares, until it loses the truth. The box of start poses is given unchanged. `progress` is called
+/// with the share of the bounds and the simulated time.
 ///
-/// A loss counts if it lies at least 5 s after the beginning of a drive or, in a drive shorter than 10 s, in the drive's second half.
-/// Before that, wheels and gyroscope work alone with errors at their corners, and losses say nothing about the methods.
+/// A loss counts if it lies at least 5 s after the beginning of a drive or, in a drive shorter than 10 s, in the drive's second half. Before that,
+/// the localizer works with wheels and gyroscope alone, whose errors may be as large as declared, and losses say nothing about the localization
+/// methods.
 ///
-/// `subject_of` makes the subject from the values that it is given. Errors when a camera cannot be rendered.
+/// `subject_of` makes a new localizer from the narrowed bounds and the other values that it is given. Errors when a camera cannot be rendered.
 pub fn weaken(
     scene: &Scene,
     record: &RunRecord,
@@ -103,7 +105,7 @@ fn first_lost(record: &RunRecord, after_s: f64) -> Option<(f64, Lost)> {
         if record.restarts.contains(&step) {
             drive_began_s = truth.time_s;
         }
-        // The comparison has a small margin, as times are sums of decimal numbers that are not exact in binary.
+        // The comparison of times has a small margin, as times are sums of decimal numbers that are not exact in binary.
         if truth.time_s - drive_began_s < after_s - 1e-6 {
             return None;
         }

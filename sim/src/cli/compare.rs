@@ -1,4 +1,4 @@
-//! `wherein compare`: whether a second set of results is better or worse than a first one.
+//! `wherein compare`: tells whether a second set of results is better or worse than a first one.
 
 use std::process::ExitCode;
 

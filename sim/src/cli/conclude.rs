@@ -1,4 +1,4 @@
-//! Output that all commands with results have in common: files, a text for people, an exit code.
+//! Output that all commands on the results of many runs have in common: result files, a short text for people, an exit code.
 
 use std::{
     io,

@@ -80,7 +80,8 @@ impl CommandError {
             if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
         let mut snippet = String::new();
-        // The first line of the report repeats the message printed above; the lines after it show the place in the file.
+        // The library's report on a mistake in a scene begins with the error message, which is printed already; only the lines after it, which show
+        // the place in the file, are printed here.
         if handler.render_report(&mut snippet, scene).is_ok()
             && let Some((_, place)) = snippet.split_once('\n')
         {

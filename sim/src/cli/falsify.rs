@@ -40,7 +40,7 @@ pub(super) struct FalsifyArguments {
     /// satellite navigation.
     #[arg(long)]
     without_cameras: bool,
-    /// Draw only scenes with at least one camera that renders images. Without this flag and --without-cameras every tenth scene has such a camera.
+    /// Draw only scenes with at least one camera that renders images. Without this flag and --without-cameras one scene in ten has such a camera.
     #[arg(long, conflicts_with = "without_cameras")]
     with_cameras: bool,
     /// Kind of failure to search for and to shrink; may be given several times. By default all kinds but perception.

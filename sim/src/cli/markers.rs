@@ -32,7 +32,8 @@ const MARKERS_AFTER_HELP: &str = "\
 Writes DIR/<scene>/markers.pdf, one marker a page of A4 at true scale, and DIR/<scene>/markers.toml, the keys of a scene
 that place them one by one. Files that are there already are left alone: exit code 2.";
 
-/// Prints the markers of a scene and whether they cover the room, and writes the sheet and the map of the markers.
+/// Prints the ceiling markers of a scene and whether the ceiling camera sees enough of them from every pose in the room, and writes the printable
+/// sheet and the map of the markers.
 pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> {
     let file = SceneFile::load(&arguments.scene)?;
     let no_markers = || CommandError::NoCeilingMarkers(arguments.scene.clone());

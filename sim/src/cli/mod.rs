@@ -84,7 +84,8 @@ enum Command {
     Falsify(falsify::FalsifyArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(render::RenderArguments),
-    /// Writes a printable sheet of a scene's ceiling markers and their map, and prints whether the markers cover the room.
+    /// Writes a printable sheet of a scene's ceiling markers and their map, and prints whether the ceiling camera sees enough of them from everywhere
+    /// in the room.
     Markers(markers::MarkersArguments),
     /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
     Replay(replay::ReplayArguments),

@@ -1,4 +1,4 @@
-//! `wherein render`: pictures that the cameras of a standing robot take.
+//! `wherein render`: renders the pictures that the cameras of a standing robot take.
 
 use std::{
     fs,
@@ -173,7 +173,7 @@ fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
     let Some(at) = at else { return Ok(file.scene.nominal_start()) };
     let (scene, at_m, reach_m) = (&file.scene, [at.x_m, at.y_m], file.scene.robot.body_radius_m);
     let room_m = [scene.room.width_m, scene.room.depth_m];
-    // Floating-point differences such as 2 − 0.25 are not always exact.
+    // The limits of the room allow this much more, as floating-point differences such as room width minus robot radius are not always exact.
     const ROUNDING_M: f64 = 1e-9;
     let least_m = reach_m - ROUNDING_M;
     if (0..2).any(|axis| !(least_m..=room_m[axis] - least_m).contains(&at_m[axis])) {

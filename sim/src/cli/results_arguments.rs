@@ -22,7 +22,7 @@ pub(super) struct SweepArguments {
     /// A key of the scene and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
     #[arg(long, value_name = "KEY=VALUES")]
     pub(super) vary: Vec<Variable>,
-    /// Seeds that each combination runs with, A included and B not.
+    /// Seeds with which each combination of the keys' values runs, A included and B not.
     #[arg(long, value_name = "A..B")]
     pub(super) seeds: Option<Seeds>,
     /// Number of runs at the same time. By default the number of processor cores.
@@ -31,7 +31,7 @@ pub(super) struct SweepArguments {
     /// Folder for the results. By default sweeps/<scene>.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Images for which the run writes debug frames: none, failures, every=N or all.
+    /// Images for which the run writes debug frames, pictures of what the vision found: none, failures, every=N or all.
     #[arg(long, value_name = "WHICH", default_value = "none")]
     pub(super) frames: FramesPolicy,
     /// Run only the I-th of N parts, for N machines; `wherein merge` joins the parts afterwards.

@@ -36,7 +36,7 @@ pub(super) struct RunArguments {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
-    /// Images for which the run writes debug frames: none, failures, every=N or all.
+    /// Images for which the run writes debug frames, pictures of what the vision found: none, failures, every=N or all.
     #[arg(long, value_name = "WHICH", default_value = "none")]
     frames: FramesPolicy,
     /// Print the summaries as a JSON list instead of a table.
@@ -123,7 +123,7 @@ fn awaited(address: SocketAddr) -> Result<LiveServer, CommandError> {
     Ok(server)
 }
 
-/// Loads the scenes, with the keys that the user sets on the command line.
+/// Runs one scene with one seed, judges the run, writes its record into the folder for the results, and reads the record back.
 fn run_one(
     arguments: &RunArguments,
     file: &SceneFile,
@@ -152,7 +152,8 @@ fn run_one(
     bar.set_position(start + milliseconds(file.scene.simulated_s()));
     let mut n_replays = 0;
     let verdict = judge(&file.scene, &run_record, &mut |asked| {
-        // Each replay takes as long as the run up to the last failure that the replay has to explain.
+        // To find the cause of a loss of the truth, the run is replayed under changed conditions. Each replay takes as long as the run up to the last
+        // loss that it has to explain.
         n_replays += 1;
         bar.set_message(format!("{} seed {seed}: whose fault? replay {n_replays}", file.name));
         let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
@@ -192,7 +193,8 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     if is_same { read_back(file, folder) } else { Ok(None) }
 }
 
-/// Reads the record of a run back from its files. The results table is made of these files, so that it cannot differ from a table made of them later.
+/// Reads the record of a run back from its files. The results table is made from these files, so that it cannot differ from a table that is made from
+/// them later.
 fn read_back(file: &SceneFile, folder: PathBuf) -> Result<Option<Recorded>, CommandError> {
     let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };
     let outcome = Outcome::of(&summary, &timing);

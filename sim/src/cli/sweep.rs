@@ -101,7 +101,7 @@ fn progress_bar(cases: usize) -> ProgressBar {
     bar
 }
 
-/// Statement of how many cases of a sweep ran and how long they took, for printing.
+/// The number of cases of a sweep that ran, and the time that they took, to be printed as one sentence.
 struct Ran<'a> {
     todo: &'a [&'a Case],
     n_meant: usize,

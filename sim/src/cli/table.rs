@@ -20,18 +20,18 @@ pub(super) struct TableArguments {
     /// Folders that `wherein run` wrote.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Replace the text between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document by the table. A first line
-    /// such as `<!-- results:begin floor papers/floor --no-baselines -->` selects scenes whose names begin with `floor` or
-    /// `papers/floor`, and leaves out the rows of the baselines.
+    /// Replace the text between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document by the table. A first line such as
+    /// `<!-- results:begin floor papers/floor --no-baselines -->` selects scenes whose names begin with `floor` or `papers/floor`, and leaves out the
+    /// rows of the baselines, other methods on the same readings.
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
 }
 
-/// Beginning of the line of a document after which a results table stands. Between this text and `-->` the line may name the beginnings
-/// of scenes' names, and the option [`NO_BASELINES`].
+/// Beginning of the line of a document below which a results table stands. Between this text and `-->` the line may list beginnings of the names of
+/// scenes that the table shows, and the option [`NO_BASELINES`].
 pub(super) const BEGIN: &str = "<!-- results:begin";
 
-/// Option that leaves the rows of the baselines out of a results table.
+/// Option that leaves out of a results table the rows of the baselines: odometry alone and other methods on the same readings.
 const NO_BASELINES: &str = "--no-baselines";
 
 /// Line of a document at which a results table ends.
@@ -83,7 +83,7 @@ fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
             beginnings.is_empty() || beginnings.iter().any(|beginning| outcome.scene.starts_with(beginning))
         };
         let wanted: Vec<Outcome> = outcomes.iter().filter(is_wanted).cloned().collect();
-        // A table for which none of the given runs is wanted keeps its old text.
+        // Where none of the recorded runs belongs to the scenes that a table selects, the table in the document stays as it is.
         let mut shown = lines(&wanted, false);
         shown.retain(|line| options.is_empty() || line.kind != Kind::Baseline);
         let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&shown)) };

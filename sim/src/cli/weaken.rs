@@ -37,8 +37,8 @@ A loss in the first 5 s of a drive, or in the first half of a drive shorter than
 before, wheels and gyroscope are alone with errors at their corners, and no method has given a constraint.
 With robot.errors=corner errors are as large as declared. Exit code: 0 the runs were simulated, 2 they could not be.";
 
-/// Narrows the bounds of every run that the arguments name until the truth is lost, and prints at which share of the bounds that happens.
-/// The result is a figure and no verdict, so that the exit code is 0.
+/// Narrows the bounds of every run that the arguments name until the truth is lost, and prints at which share of the bounds that happens. The result
+/// is a measurement, which cannot pass or fail, so that the exit code is 0.
 pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = arguments.which.load()?;
     let needs_renderer = files.iter().any(|file| file.scene.has_camera());
@@ -70,7 +70,7 @@ pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) 
     Ok(ExitCode::SUCCESS)
 }
 
-/// One run of a scene with one seed, and the share of its bounds at which the truth was lost.
+/// One run of a scene with one seed, and the share of its declared bounds at which the localizer lost the true pose.
 struct Row {
     scene: String,
     seed: u64,
@@ -108,8 +108,8 @@ fn as_table(rows: &[Row]) -> String {
 }
 
 impl Row {
-    /// Returns a message if the drive was too short for a result: nothing was lost, and the time in which losses count, the second half
-    /// of the drive, is shorter than the 5 s that a loss may take to show.
+    /// Returns a message if the drive was too short for a result: the truth was not lost, and the time in which a loss counts, the second half of the
+    /// drive, is shorter than the 5 s that a loss may take to show.
     fn too_short(&self) -> Option<String> {
         let after_s = self.weakened.counted_after_s;
         let is_short = self.is_drive && self.weakened.factor.is_none() && after_s < SETTLED_S;

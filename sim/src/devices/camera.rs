@@ -91,7 +91,7 @@ impl DrawnCamera {
 
 /// How far a camera's true mount and lens differ from their nominal values.
 pub(super) struct Off {
-    /// Distance of the camera from its nominal position on the body: the greater of forward and left, then up.
+    /// Distances of the camera from its nominal position on the body: first the greater of those forward and left, then the distance up.
     pub(super) place_m: [f64; 2],
     pub(super) tilt_rad: f64,
     pub(super) yaw_rad: f64,
@@ -132,7 +132,7 @@ pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
     off_px.fold(0.0, f64::max)
 }
 
-/// Names of the bounds on the calibration of a camera that is calibrated as a whole, grouped by the key that states them.
+/// Names of the bounds on the calibration of the forward or the ceiling camera, grouped by the key of the scene that states them.
 pub(super) struct CalibrationBounds {
     pub(super) position: &'static [Assumption],
     pub(super) angles: &'static [Assumption],
@@ -142,7 +142,7 @@ pub(super) struct CalibrationBounds {
 }
 
 impl CalibrationBounds {
-    /// The keys of a camera's calibration that state these bounds, without keys whose bound has no name.
+    /// The keys of a camera's calibration that state the bounds named in this table, without keys whose bound has no name.
     pub(super) fn told_keys<'a>(&self, calibration: &'a mut Calibration) -> Vec<ToldKey<'a>> {
         let keys = [
             ToldKey::is(self.position, &mut calibration.position_tolerance_m),

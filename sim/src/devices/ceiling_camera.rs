@@ -80,7 +80,8 @@ impl CeilingCamera {
         let angle_rad = calibration.angle_tolerance_deg.to_radians();
         let place = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
         let around = |at_px: f64| Interval::centred(at_px, calibration.principal_point_tolerance_px);
-        // This gain is an upper bound for any image: automatic exposure uses at most the greatest gain, and a fixed exposure the least.
+        // The greatest gain of the automatic exposure is an upper bound for any image: automatic exposure uses at most this gain, and a fixed
+        // exposure the least.
         let gain = AutoExposure::new(&sensor).greatest_gain_levels_per_electron();
         CeilingCameraModel {
             width_px: self.width_px,
@@ -91,8 +92,8 @@ impl CeilingCamera {
             distortion_px: calibration.distortion_tolerance_px,
             height_m: place(self.height_m),
             position_m: [place(self.forward_m), place(self.left_m)],
-            // In the image of the localizer's model the robot's left is at the right; a yaw of half a turn turns that into the image of
-            // this camera.
+            // Without yaw, the localizer's model of a camera that looks up has the robot's left at the right of the image; a yaw of half a turn turns
+            // that into the image of this camera.
             yaw_rad: Interval::centred(std::f64::consts::PI, angle_rad),
             lean_rad: [-self.lean_forward_deg.to_radians(), -self.lean_left_deg.to_radians()],
             tilt_rad: angle_rad,

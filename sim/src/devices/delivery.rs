@@ -33,7 +33,7 @@ impl Delivery {
             // The robot stands still before the start, so that the first reading is also true at time 0 of the base's clock.
             let stamp_s = if taken_s == 0.0 { self.clock_s.min(0.0) } else { taken_s + self.clock_s };
             observation.reading.stamp_anew(stamp_s);
-            // The delay ensures that no reading arrives before its stamp, however late the stamp is.
+            // A delay by the tolerance of the stamp ensures that no reading arrives before its stamp, however late the stamp is.
             observation.reading.delay(self.keys.stamp_tolerance_s);
         }
         if self.keys.is_perfect() {
@@ -50,7 +50,8 @@ impl Delivery {
         lateness.into_iter().take(n_copies).map(|share| late(&observation, self.lateness(share) * late_s)).collect()
     }
 
-    /// Delay of a reading as a share of the greatest one: as drawn, or with the error distribution `corner` 0 or 1; with `drift` 0 and 1 in turn.
+    /// Delay of a reading as a share of the greatest delay: the value drawn at random or, with the error distribution `corner`, this value rounded to
+    /// 0 or 1; with `drift` 0 and 1 in turn.
     fn lateness(&mut self, drawn: f64) -> f64 {
         self.n_late += 1;
         match self.errors {

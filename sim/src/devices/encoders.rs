@@ -15,7 +15,7 @@ use crate::{
 
 use super::{BoundCheck, Observation, Sensor};
 
-/// Time for which wheels may roll on after their last count, before they are taken to be at rest.
+/// Time for which wheels may roll on after the encoders' last count, before they are taken to be at rest.
 const SETTLED_S: f64 = 0.5;
 
 /// The tick counters of both wheels.
@@ -47,7 +47,8 @@ pub struct WheelSensor {
     encoder: Encoder,
     period_s: f64,
     n_readings: u64,
-    /// Greatest turn of the body at rest that the bound `wheels.rest` allows; `None` where the localizer does not rely on that bound.
+    /// Greatest turn of the robot's body that the bound `wheels.rest` allows while the encoders count nothing; `None` where the localizer does not
+    /// rely on that bound.
     rest_turn_rad: Option<f64>,
     rest: Option<Rest>,
 }
@@ -57,12 +58,13 @@ pub struct WheelSensor {
 struct Rest {
     ticks: [i64; 2],
     since_s: f64,
-    /// For settled wheels: the time at which they settled, the heading at that time, and the greatest turn of the body since then.
+    /// For wheels that have settled, because the encoders have counted nothing for a while: the time at which they settled, the heading at that time,
+    /// and the greatest turn of the body since then.
     settled: Option<(f64, f64, f64)>,
 }
 
 impl WheelSensor {
-    /// The encoders that the scene states.
+    /// The wheel sensor with the encoders that the scene states.
     pub fn new(scene: &Scene, seed: u64) -> Self {
         let encoders = &scene.robot.encoders;
         WheelSensor {
@@ -93,7 +95,7 @@ impl WheelSensor {
 impl Sensor for WheelSensor {
     /// Returns the tick counts when they are due.
     fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
-        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
+        // Half a physics step of slack makes the reading due at the intended physics step, however times in decimal seconds are rounded.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.period_s {
             return None;
         }

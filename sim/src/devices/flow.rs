@@ -68,14 +68,14 @@ impl Device for Flow {
             ToldKey::is(&[bounds::FLOW_POSITION], &mut self.position_tolerance_m),
             ToldKey::is_in_deg(&[bounds::FLOW_YAW], &mut self.yaw_tolerance_deg),
             ToldKey::is(&[bounds::FLOW_CALIBRATION], &mut self.calibration_tolerance),
-            // The part of the scale's tolerance that the calibration leaves is the bound on how far the scale may vary.
+            // The scale's whole tolerance less the calibration's tolerance is the bound on how far the counts per metre may vary.
             ToldKey::is_part(&[bounds::FLOW_SCALE, bounds::FLOW_CALIBRATION], &mut self.scale_tolerance, Widens::By),
             ToldKey::is(&[bounds::FLOW_BACK_AND_FORTH], &mut self.back_and_forth_m),
         ]
     }
 
-    /// The errors of the scale that are drawn at random are parts of its declared tolerance: the calibration's tolerance is part of the
-    /// whole, and those of surfaces and noise together are part of what the calibration leaves.
+    /// The errors of the flow sensor's scale (counts per metre) that are drawn at random are parts of its declared tolerance: the calibration's
+    /// tolerance is part of the whole, and those of surfaces and noise together are part of what the calibration leaves.
     fn contradictions(&self) -> Vec<(String, String)> {
         let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s".to_owned(), expected)));
         if self.calibration_tolerance > self.scale_tolerance {
@@ -109,7 +109,8 @@ impl Flow {
         FlowModel {
             position_m: [place(self.forward_m), place(self.left_m)],
             metres_per_count: Interval::point(1.0) / relative(self.counts_per_m, self.calibration_share()),
-            // From |s − s₀| ≤ v follows |s/s₀ − 1| ≤ v/s₀, which is greatest where s₀ is least.
+            // With s the scale (counts per metre over nominal), s₀ its value at the mounted height and v the bound on its variation: from |s − s₀| ≤
+            // v follows |s/s₀ − 1| ≤ v/s₀, which is greatest where s₀ is least.
             scale_change: self.varying_share() / (1.0 - self.calibration_share()),
             yaw_rad: Interval::centred(0.0, self.yaw_tolerance_deg.to_radians()),
             quantisation_counts: 1.0,

@@ -21,7 +21,7 @@ pub use sensor::GnssSensor;
 /// True position of the satellite navigation antenna on the robot.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnGnss {
-    /// Position of the antenna in the robot frame: forward and left.
+    /// Position of the satellite navigation antenna in the robot frame: forward and left.
     pub position_m: [f64; 2],
 }
 

@@ -26,11 +26,12 @@ pub struct DrawnGyro {
     pub bias_rad_per_s: f64,
     /// True scale of the gyroscope, constant over a run.
     pub scale: f64,
-    /// Bounds to which the gyroscope's noise is cut in a counterfactual run.
+    /// Bounds to which the gyroscope's noise is cut in a counterfactual run, one that is simulated again with bounds kept to find what was to blame.
     pub cuts: GyroCuts,
 }
 
-/// Bounds of a gyroscope to which a counterfactual run cuts the noise; none in a run as a seed draws it.
+/// Bounds to which the gyroscope's noise is cut in a counterfactual run, one that is simulated again with bounds kept to find what was to blame. In a
+/// run as a seed draws it the noise is cut to none of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GyroCuts {
     /// Whether the noise of each reading is cut to the bound `gyro.noise`.

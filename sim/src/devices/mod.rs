@@ -34,7 +34,7 @@ use crate::{
 
 pub(crate) use told_key::{ToldKey, Widens};
 
-/// A kind of device, implemented for its keys in a scene.
+/// A kind of device of the robot, such as a sensor, implemented for the keys by which a scene describes it.
 pub trait Device {
     /// The values that a seed draws at random for the device once, before the run.
     type Drawn: Clone + Debug;
@@ -61,8 +61,8 @@ pub trait Device {
         0.0
     }
 
-    /// The method of this name, which is listed as one that reads this device, with the settings of the scene; `None` where there is
-    /// nothing that the method could see.
+    /// The localizer's method of this name, which reads this device, with the settings of the scene; `None` where there is nothing that the method
+    /// could see.
     fn method(&self, _name: MethodName, _scene: &Scene, _map: &Map, _robot: &RobotModel) -> Option<Box<dyn Method>> {
         None
     }
@@ -70,17 +70,18 @@ pub trait Device {
     /// The device's declared bounds on values that stay the same over a run, each with its name, the declared value and the true value.
     fn constants(&self, drawn: &Self::Drawn, scene: &Scene) -> Vec<(Assumption, f64, f64)>;
 
-    /// The device's keys that state a bound for the localizer.
+    /// The keys of the device in a scene that state a bound for the localizer.
     fn told_keys(&mut self) -> Vec<ToldKey<'_>>;
 
-    /// Bounds beyond which true values of the device may be drawn or placed, so that a counterfactual run can move these values back. All
-    /// other bounds hold by construction, or limit quantities that emerge from the physics.
+    /// Bounds that true values of the device may exceed when they are drawn or placed, so that a counterfactual run (a run simulated again to find
+    /// what was to blame) can move these values back to the bound. All other bounds hold by construction, or limit quantities that emerge from the
+    /// physics.
     const CLIPPED: &'static [Assumption] = &[];
 
-    /// Moves drawn values of the device, or values that are still to be drawn, back to the bound of this name where they exceed it.
+    /// Moves values of the device that a seed has drawn, or is still to draw, back to the named bound where they exceed it.
     fn clip(&self, _drawn: &mut Self::Drawn, _bound: &str) {}
 
-    /// Keys of the device's table that contradict each other, each with what was expected.
+    /// Keys of the device's table in a scene that contradict each other, each with what was expected.
     fn contradictions(&self) -> Vec<(String, String)> {
         Vec::new()
     }
@@ -99,25 +100,26 @@ pub struct Observation {
     pub reading: Reading,
     /// Truth at the time at which the measurement was truly made.
     pub truth: Truth,
-    /// The declared bounds that the errors of this reading are subject to, each with the true value.
+    /// The declared bounds that the errors of this reading are subject to, each with the true value of the quantity that it limits.
     pub checks: Vec<BoundCheck>,
-    /// The landmark codes of a range camera's reading, in its order, and whether each is the landmark's own code; empty for other readings.
+    /// The landmark codes of a range camera's reading, in the reading's order, each with whether it is the landmark's own code; empty for readings of
+    /// other sensors.
     pub codes: Vec<(LandmarkId, bool)>,
 }
 
 impl Observation {
-    /// A reading with the truth behind it, and without checks of bounds or landmark codes.
+    /// Makes an observation of a reading and the truth behind it, without checks of bounds and without landmark codes.
     pub fn new(reading: Reading, truth: Truth) -> Self {
         Observation { reading, truth, checks: Vec::new(), codes: Vec::new() }
     }
 
-    /// The true value behind a bound that the errors of this reading are subject to; `None` for any other bound.
+    /// The true value of the quantity that the bound limits, if the errors of this reading are subject to the bound; `None` for any other bound.
     pub fn true_value(&self, bound: Assumption) -> Option<f64> {
         self.checks.iter().find(|check| check.bound == bound).map(|check| check.true_value)
     }
 }
 
-/// A declared bound and the true value behind it, over a time span.
+/// A declared bound and the true value of the quantity that it limits, over a time span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundCheck {
     /// Name of the declared bound.
@@ -139,10 +141,10 @@ impl BoundCheck {
 
 macro_rules! define {
     ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
-        /// For each kind of device, the bounds beyond which its true values may be drawn or placed.
+        /// For each kind of device, the bounds that its true values may exceed when they are drawn or placed.
         pub(crate) const CLIPPED: &[&[Assumption]] = &[$(<$keys as Device>::CLIPPED),+];
 
-        /// The values that a seed draws at random for each device of the robot.
+        /// The values that a seed draws at random before the run for each device of the robot.
         #[derive(Clone, Debug)]
         pub struct DrawnDevices {
             $(
@@ -157,7 +159,7 @@ macro_rules! define {
                 DrawnDevices { $($name: robot.$name.as_ref().map(|device| device.draw(robot.errors, seed)),)+ }
             }
 
-            /// Moves the drawn values of all devices back to the bound of this name where they exceed it.
+            /// Moves the drawn values of all devices back to the named bound where they exceed it.
             pub(crate) fn clip(&mut self, bound: &str, robot: &Robot) {
                 $(if let (Some(device), Some(drawn)) = (&robot.$name, &mut self.$name) {
                     device.clip(drawn, bound);
@@ -215,8 +217,8 @@ with_every_kind!(define);
 
 macro_rules! define_methods {
     ($($(#[$doc:meta])+ $method:ident reads $device:ident,)+) => {
-        /// The method of this name with the settings of the scene; `None` where the robot lacks the device that the method reads, or there
-        /// is nothing that the method could see.
+        /// The localizer's method of the given name with the settings of the scene; `None` where the robot lacks the device that the method reads, or
+        /// there is nothing that the method could see.
         pub(crate) fn method(name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
             match name {
                 $(MethodName::$method => scene.robot.$device.as_ref()?.method(name, scene, map, robot),)+
@@ -230,7 +232,7 @@ with_every_method!(define_methods);
 /// A sensor that is fitted to the robot.
 pub(crate) struct FittedSensor {
     sensor: Box<dyn Sensor>,
-    /// Whether the sensor's readings go over the bus of the base.
+    /// Whether the sensor's readings reach the localizer over the bus of the robot's base.
     pub(crate) is_on_base: bool,
     is_relied_on: bool,
 }

@@ -50,7 +50,7 @@ impl ProximitySensor {
 
     /// Returns a reading when one is due.
     pub(crate) fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
-        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
+        // Half a physics step of slack makes the reading due at the intended physics step, however times in decimal seconds are rounded.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.keys.period_s {
             return None;
         }

@@ -1,4 +1,4 @@
-//! The range camera, which measures coded landmarks.
+//! The range camera: a stereo camera that recognises landmarks by their codes and measures at which image column each of its two views sees them.
 
 mod codes;
 mod sensor;
@@ -40,7 +40,7 @@ pub struct DrawnRangeCamera {
     pub focal_px: f64,
     /// Distance between the optical centres of the range camera's two views.
     pub baseline_m: f64,
-    /// Bounds to which wrong landmark codes are cut in a counterfactual run.
+    /// Bounds to which wrong landmark codes are cut in a counterfactual run, one that is simulated again with bounds kept to find what was to blame.
     pub cuts: CodeCuts,
 }
 
@@ -143,7 +143,8 @@ impl RangeCamera {
             focal_px: relative(self.focal_px, self.focal_tolerance),
             baseline_m: relative(self.baseline_m, self.baseline_tolerance),
             centre_px: self.centre_px(),
-            // A rounding step is twice the greatest error that rounding causes; noise before rounding adds to the error on both sides.
+            // The model's step is twice the greatest error of an image column. A rounding step is already twice the greatest error that rounding
+            // causes; noise before rounding adds to the error on both sides.
             step_px: [self.column_step_px, self.match_step_px].map(|step_px| step_px + 2.0 * self.column_noise_px),
             position_m: [place(self.forward_m), place(self.left_m)],
             height_m: self.height_m,
@@ -153,7 +154,8 @@ impl RangeCamera {
             stamp_error_s: self.stamp_tolerance_s,
             latency_s: Interval::centred(self.latency_s, self.latency_tolerance_s)
                 .intersect(Interval::new(0.0, f64::INFINITY)),
-            // The camera measures at the first physics step after each period, so that readings may be one step closer together.
+            // The camera measures at the first physics step after each period, so that the time between two readings may be one step shorter than the
+            // period.
             period_s: self.period_s - STEP_S,
             q_items: self.q_items,
             wrong_spacing: self.wrong_spacing,

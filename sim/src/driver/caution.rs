@@ -4,16 +4,17 @@ use localizer::PoseBox;
 
 use crate::scene::Scene;
 
-/// Width of the estimate's hull up to which the robot drives at full speed. With a wider hull a waypoint 0.3 m from a wall is a risk.
+/// Width of the estimate's hull (the smallest box around all boxes of the estimate) up to which the robot drives at full speed. With a wider hull
+/// a waypoint 0.3 m from a wall is a risk.
 const SURE_WIDTH_M: f64 = 0.2;
 
-/// Least share of the full speed, so that a robot whose pose stays uncertain still gets somewhere.
+/// Least share of the full speed at which a robot may drive whose pose stays uncertain, so that it still gets somewhere.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Distance that a robot keeps from walls while its localizer recovers.
+/// Distance that a robot keeps from walls while its localizer recovers from a contradiction.
 const WALL_MARGIN_M: f64 = 0.05;
 
-/// How long a robot near a wall looks around while its localizer recovers, before it creeps on.
+/// How long a robot near a wall looks around while its localizer recovers from a contradiction, before it creeps on.
 const PATIENCE_S: f64 = 10.0;
 
 /// Turn rate at which a robot that is unsure of its pose looks around, over its greatest turn rate.
@@ -40,7 +41,7 @@ pub(super) enum Freedom {
 }
 
 impl Caution {
-    /// Caution for a robot in the scene's room.
+    /// The rules by which a robot in the scene's room limits its driving while its pose is uncertain.
     pub(super) fn new(scene: &Scene) -> Self {
         Caution {
             room_m: [scene.room.width_m, scene.room.depth_m],
@@ -50,7 +51,8 @@ impl Caution {
         }
     }
 
-    /// Judges an estimate by its hull, and by whether the localizer is recovering.
+    /// Decides how freely the robot may drive, from the hull of the estimate (the smallest box around all its boxes) and from whether the
+    /// localizer is recovering from a contradiction.
     pub(super) fn judge(&mut self, hull: &PoseBox, recovering: bool, time_s: f64) -> Freedom {
         if hull.is_empty() {
             return Freedom::Halt;

@@ -1,4 +1,4 @@
-//! Driver for errands: plans paths to goals and follows them by the estimate. When a path is blocked it waits, then looks for another one.
+//! Driver for errands: plans paths to goals and follows them by the estimated pose. When a path is blocked it waits, then looks for another one.
 
 use localizer::{Estimate, Pose, PoseBox, Status};
 
@@ -21,16 +21,18 @@ mod way;
 
 pub use log::{ErrandLog, ErrandRecord, Leg, Outcome};
 
-/// Width of the estimate's hull beyond which a robot on errands does not set out: it stands and looks around.
+/// Width in x or y of the estimate's hull (the smallest box around all boxes of the estimate) beyond which a robot on errands does not set out:
+/// it stands and looks around.
 const LOST_M: f64 = 3.0;
 /// Width of the estimate's range of headings beyond which a robot on errands does not set out: it stands and looks around, as for
 /// [`LOST_M`].
 const LOST_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Least share of the full speed while the hull is wide, so that a robot whose pose stays uncertain still gets somewhere.
+/// Least share of the full speed while the estimate is wide, so that a robot whose pose stays uncertain still gets somewhere.
 const LEAST_SHARE: f64 = 0.25;
 
-/// How long a robot whose estimate is not sound, or too wide, stands before it turns about to see something else.
+/// How long a robot stands before it turns about to see something else, while its estimate is too wide or its localizer is recovering from a
+/// contradiction.
 const DOUBT_S: f64 = 5.0;
 
 /// Turn rate at which a robot that is unsure of its pose looks around, over its greatest turn rate.
@@ -87,14 +89,14 @@ enum Task {
     },
 }
 
-/// A place, and the last time at which the robot was somewhere else.
+/// A position, and the last time at which the robot was somewhere else.
 #[derive(Clone, Copy, Debug)]
 struct Anchor {
     place_m: [f64; 2],
     since_s: f64,
 }
 
-/// Whether the estimate's hull is so wide that its middle is of no use for planning a path.
+/// Whether the estimate's hull (the smallest box around all boxes of the estimate) is so wide that its middle is of no use for planning a path.
 fn is_lost(hull: &PoseBox) -> bool {
     !hull.is_empty() && (hull.width(0).max(hull.width(1)) > LOST_M || hull.width(2) > LOST_RAD)
 }
@@ -135,7 +137,7 @@ impl ErrandDriver {
         }
         let is_lost = is_lost(&hull);
         if is_lost && self.task == Task::Follow {
-            // The path was planned from a place that proves wrong, so that a new one is needed.
+            // The path was planned from a position that proves wrong, so that a new one is needed.
             self.task = Task::Plan;
         }
         let wish = if hull.is_empty() || is_lost || estimate.status != Status::Sound {
@@ -158,8 +160,8 @@ impl ErrandDriver {
         self.log
     }
 
-    /// Stands while the estimate is not sound, or too wide, and after a while turns about to see more. A round robot that turns in place
-    /// touches nothing.
+    /// Makes the robot stand while its estimate is empty or too wide, or its localizer is recovering from a contradiction. After a while, unless
+    /// the estimate is empty, the robot turns about to see more; a round robot that turns in place touches nothing.
     fn doubt(&mut self, is_nowhere: bool, time_s: f64) -> Wish {
         let since_s = *self.doubts_since_s.get_or_insert(time_s);
         self.moved = Anchor { place_m: self.place_m(), since_s: time_s };
@@ -225,14 +227,15 @@ impl ErrandDriver {
                 if self.task == Task::Yield { Task::Yielded { until_s: time_s } } else { Task::Wait { since_s } };
             return Wish::default();
         }
-        // The robot drives at full speed as long as half of the hull's width fits into the margin on either side of the planned path.
+        // The robot drives at full speed as long as half the width of the estimate's hull fits into the margin on either side of the planned
+        // path.
         let width_m = hull.width(0).max(hull.width(1));
         let share = (2.0 * self.navigation.margin_m / width_m).clamp(LEAST_SHARE, 1.0);
         Wish { speed_m_per_s: (share * wish.speed_m_per_s).min(limit_m_per_s), ..wish }
     }
 
-    /// Ends an errand at the end of a path: the goal counts as reached if the estimate's middle is within the tolerance. Otherwise a new
-    /// path is planned.
+    /// Ends an errand at the end of a path: the goal counts as reached if the middle of the estimated box is within the tolerance. Otherwise a
+    /// new path is planned.
     fn arrive(&mut self, hull: &PoseBox, time_s: f64) {
         let pose = self.follower.pose;
         let Some(errand) = self.log.current_mut() else { return };

@@ -57,7 +57,7 @@ const TURN_GAIN_PER_S: f64 = 2.0;
 /// Turn rate below which a turn counts as ended.
 const STILL_RAD_PER_S: f64 = 0.01;
 
-/// Least progress within `STUCK_S`; with less the waypoint is given up.
+/// Least progress towards a waypoint that the robot must make within `STUCK_S`; otherwise it gives up the waypoint.
 const PROGRESS_M: f64 = 0.02;
 
 /// Time without `PROGRESS_M` of progress after which a waypoint is given up. It is longer than any turn, and than the driver ever waits out
@@ -90,7 +90,7 @@ enum Stage {
     Finished,
 }
 
-/// The remaining distance and the time when the robot last made progress.
+/// When the robot last made progress, and what distance to the waypoint remained then.
 #[derive(Clone, Copy, Debug)]
 struct Progress {
     left_m: f64,
@@ -115,8 +115,8 @@ impl Driver {
             segment_idx: 0,
             stage: Stage::Turn,
             speed: Ramp::new(acceleration_m_per_s2, JERK_RISE_S),
-            // In a turn the wheels accelerate half as hard as straight on. Both at once load a tyre, and at the end of a turn the tyres'
-            // rubber swings from full braking to nothing without rolling on.
+            // In a turn the wheels accelerate half as hard as straight on, because a tyre may have to bear both accelerations at once, and
+            // because at the end of a turn the tyres' rubber swings from full braking to nothing without rolling on.
             turn: Ramp::new(acceleration_m_per_s2 / robot.track_m, JERK_RISE_S),
             caution: Caution::new(scene),
             pose: scene.nominal_start(),

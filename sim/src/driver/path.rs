@@ -8,7 +8,7 @@ use super::ARRIVED_M;
 /// behind it.
 const SHARPEST_CURVE_RAD: f64 = 2.0;
 
-/// Distance below which two waypoints count as one place.
+/// Distance below which two waypoints count as one position.
 const SAME_PLACE_M: f64 = 1e-6;
 
 /// The polyline that a robot on a route is to follow.
@@ -24,12 +24,13 @@ pub(super) struct Path {
 pub(super) struct Segment {
     from_m: [f64; 2],
     along: [f64; 2],
-    /// Length of the path segment; 0 if both ends are the same place.
+    /// Length of the path segment; 0 if both ends coincide.
     pub(super) length_m: f64,
 }
 
 impl Path {
-    /// The path of a route, from the place where the robot stands. A route that repeats but leads nowhere ends at its first stop.
+    /// The path along a route, beginning at the place where the robot stands. A route that repeats, but whose round trip leads nowhere, is
+    /// followed only once.
     pub(super) fn new(origin_m: [f64; 2], route: &Route) -> Self {
         Path {
             origin_m,
@@ -82,8 +83,8 @@ impl Path {
         Some(cross.abs().atan2(dot))
     }
 
-    /// The look-ahead point of the path: the point at a distance ahead of a place on a segment. Beyond a stop it is taken on the segment's
-    /// straight extension.
+    /// The look-ahead point of the path: the point at a given distance ahead of a position on a segment. Beyond a stop it is taken on the
+    /// segment's straight extension.
     pub(super) fn ahead_m(&self, mut segment_idx: usize, mut along_m: f64, ahead_m: f64) -> [f64; 2] {
         along_m += ahead_m;
         let Some(mut segment) = self.segment(segment_idx) else { return self.origin_m };
@@ -109,12 +110,12 @@ impl Segment {
         [self.from_m[0] + along_m * self.along[0], self.from_m[1] + along_m * self.along[1]]
     }
 
-    /// Distance from the segment's start to the foot of the perpendicular from a place onto the endless line through the segment.
+    /// Distance from the segment's start to the foot of the perpendicular from a point onto the endless line through the segment.
     pub(super) fn foot_m(&self, place_m: [f64; 2]) -> f64 {
         (place_m[0] - self.from_m[0]) * self.along[0] + (place_m[1] - self.from_m[1]) * self.along[1]
     }
 
-    /// Distance of a place from the path segment.
+    /// Distance of a point from the path segment.
     pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let [x_m, y_m] = self.point(self.foot_m(place_m).clamp(0.0, self.length_m));
         (place_m[0] - x_m).hypot(place_m[1] - y_m)

@@ -28,8 +28,8 @@ impl Ramp {
             (self.value, self.rate) = (target, 0.0);
             return target;
         }
-        // The greatest rate from which the limited jerk can still end exactly on the target follows from rate² = 2·jerk·gap. The factor 2
-        // is reduced by a fifth, because the steps are coarse.
+        // The greatest rate from which the limited jerk can still bring the command to rest exactly on the target follows from rate² =
+        // 2·jerk·gap, with the gap that remains to the target. The factor 2 is reduced by a fifth, because the steps are coarse.
         let wanted = gap.signum() * self.max_rate.min((1.6 * self.max_jerk * gap.abs()).sqrt());
         self.rate += (wanted - self.rate).clamp(-jerk_step, jerk_step);
         self.value += self.rate * step_s;

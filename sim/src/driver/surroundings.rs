@@ -1,4 +1,4 @@
-//! What the proximity sensor shows of the area ahead of the robot, and what it has seen that is not on the map.
+//! What the proximity sensor shows of the area ahead of the robot, and the obstacles that it has seen and that are not on the map.
 
 use std::collections::BTreeMap;
 
@@ -6,29 +6,28 @@ use localizer::Pose;
 
 use crate::{devices::proximity::Fan, place::navigation::OccupancyGrid};
 
-/// Distance to something on the map within which a reading is taken to be that thing. It covers the errors of the estimate and of the
-/// sensor, and one grid cell.
+/// Distance to something on the map within which a reading of the proximity sensor is taken to be of that thing. It covers the errors of the
+/// estimate and of the sensor, and one grid cell.
 const KNOWN_M: f64 = 0.15;
 
-/// Distances at which the robot stops, measured from its body's edge: before things that are not on the map, which may move, and before
-/// things that are.
+/// Distances at which the robot stops, measured from its body's edge: before obstacles that are not on the map, which may move, and before
+/// obstacles that are.
 const GAP_M: [f64; 2] = [0.2, 0.02];
 
-/// Widths beyond the body, on either side, within which a thing counts as ahead: for things not on the map, and for things on it. Both are
-/// less than the distance that planned paths keep from things.
+/// Widths beyond the robot's body, on either side, within which an obstacle counts as ahead: for obstacles not on the map, and for those on it.
+/// Both are less than the distance that planned paths keep from things.
 const BESIDE_M: [f64; 2] = [0.06, 0.02];
 
 /// Time from a proximity reading until the robot brakes: the sensor's period and the acceleration's rise time.
 const REACTION_S: f64 = 0.3;
 
-/// How long something that was seen is assumed to be still there while the sensor does not look at it.
+/// How long an obstacle that was seen is assumed to be still there while the sensor does not look at it.
 const MEMORY_S: f64 = 20.0;
 
-/// Distance by which a beam of the proximity sensor must pass beyond a remembered place to show that the place is free again.
+/// Distance by which a beam of the proximity sensor must reach beyond the remembered place of an obstacle to show that the place is free again.
 const BEYOND_M: f64 = 0.15;
 
-/// What the driver knows of the robot's surroundings: the map, the proximity sensor's last reading, and things seen that are not on the
-/// map.
+/// What the driver knows of the robot's surroundings: the map, the proximity sensor's last reading, and obstacles seen that are not on the map.
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     map: OccupancyGrid,
@@ -37,7 +36,7 @@ pub(super) struct Surroundings {
     range_m: f64,
     /// End points of the last reading's beams in the robot frame, each with whether the map shows something there.
     ends_m: Vec<([f64; 2], bool)>,
-    /// Grid cells with something that is not on the map, and when it was last seen.
+    /// Grid cells with an obstacle that is not on the map, and when it was last seen.
     seen: BTreeMap<[usize; 2], f64>,
 }
 
@@ -73,7 +72,7 @@ impl Surroundings {
         }
     }
 
-    /// Greatest speed from which half of the given acceleration stops the robot before anything straight ahead.
+    /// Greatest speed from which the robot, braking with half of the given acceleration, stops before anything straight ahead.
     pub(super) fn speed_limit_m_per_s(&self, speed_m_per_s: f64, acceleration_m_per_s2: f64) -> f64 {
         let limit = |(end_m, is_known): &([f64; 2], bool)| {
             let side_m = self.body_radius_m + BESIDE_M[usize::from(*is_known)];
@@ -88,20 +87,20 @@ impl Surroundings {
         self.ends_m.iter().map(limit).fold(f64::INFINITY, f64::min)
     }
 
-    /// Distance of a place from the nearest thing seen that is not on the map; infinite if there is none.
+    /// Distance of a point from the nearest obstacle seen that is not on the map; infinite if there is none.
     pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let places_m = self.seen.keys().map(|cell| self.map.centre_m(*cell));
         places_m.map(|at_m| (at_m[0] - place_m[0]).hypot(at_m[1] - place_m[1])).fold(f64::INFINITY, f64::min)
     }
 
-    /// The map with the things seen that are not on it, and whether there are any.
+    /// The map with the obstacles seen that are not on it added, and whether there are any.
     pub(super) fn map(&self) -> (OccupancyGrid, bool) {
         let mut map = self.map.clone();
         self.seen.keys().for_each(|cell| map.occupy(map.centre_m(*cell)));
         (map, !self.seen.is_empty())
     }
 
-    /// Forgets things that were seen long ago, and those through whose place a beam passes in the new reading.
+    /// Forgets obstacles that were seen long ago, and those through whose place a beam passes in the new reading.
     fn forget(&mut self, fan: &Fan, pose: Pose) {
         let (sin, cos) = pose.heading_rad.sin_cos();
         let spread_rad = match fan.beams.as_slice() {

@@ -14,27 +14,27 @@ const HOLD_GAIN_PER_S: f64 = 2.0;
 /// Heading error beyond which the robot stops to turn again, unless it has reached the corner.
 const TURN_AGAIN_RAD: f64 = 0.5;
 
-/// Direction and distance of a place as seen from a robot.
+/// Direction and distance of a point as seen from the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// The robot's heading minus the direction to the place, in (−π, π]; positive if the place lies to the right.
+    /// The robot's heading minus the direction to the point, in (−π, π]; positive if the point lies to the right.
     pub off_rad: f64,
-    /// Distance from the robot to the place.
+    /// Distance from the robot to the point.
     pub distance_m: f64,
 }
 
-/// Bearing of a place: θ = α − atan2(y_d − y_r, x_d − x_r), wrapped, and d = √((x_d − x_r)² + (y_d − y_r)²) (paper 5, Eqs. 18 and 19). Eq.
-/// 18 is printed with the arctan of a quotient, which cannot tell ahead from behind; atan2 is used instead.
+/// Bearing of the point d from the robot r: θ = α − atan2(y_d − y_r, x_d − x_r), wrapped, and d = √((x_d − x_r)² + (y_d − y_r)²) (paper 5, Eqs.
+/// 18 and 19). Eq. 18 is printed with the arctan of a quotient, which cannot tell ahead from behind; atan2 is used instead.
 pub fn bearing(robot: Pose, place_m: [f64; 2]) -> Bearing {
     let (x_m, y_m) = (place_m[0] - robot.x_m, place_m[1] - robot.y_m);
     let off_rad = robot.heading_rad - y_m.atan2(x_m);
-    // The angle is wrapped into (−π, π], with π and not −π for a place straight behind.
+    // The angle is wrapped into (−π, π], with π and not −π for a point straight behind.
     let turns = std::f64::consts::TAU;
     let wrapped_rad = std::f64::consts::PI - (std::f64::consts::PI - off_rad).rem_euclid(turns);
     Bearing { off_rad: wrapped_rad, distance_m: x_m.hypot(y_m) }
 }
 
-/// Limits that the control law keeps to.
+/// Limits on speed, turn rate and braking that the control law of paper 5 keeps to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     pub(super) speed_m_per_s: f64,
@@ -48,13 +48,13 @@ pub(super) struct Limits {
 #[derive(Clone, Debug)]
 pub(super) struct TurnThenDrive {
     corners_m: Vec<[f64; 2]>,
-    /// Index of the path's corner that the robot is heading for.
+    /// Index of the corner of the path to which the robot is heading.
     next: usize,
     is_turning: bool,
 }
 
 impl TurnThenDrive {
-    /// The control law for a path from its first corner to its last.
+    /// Paper 5's control law for following a path from its first corner to its last.
     pub(super) fn new(corners_m: Vec<[f64; 2]>) -> Self {
         TurnThenDrive { corners_m, next: 1, is_turning: true }
     }

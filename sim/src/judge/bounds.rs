@@ -51,7 +51,7 @@ fn of_readings(record: &RunRecord) -> impl Iterator<Item = Monitor> {
     })
 }
 
-/// A monitor of a bound on a value that is the same over the whole run.
+/// Makes a monitor of a bound on a value that is the same over the whole run.
 fn constant(record: &RunRecord, bound: &'static str, declared: f64, true_value: f64) -> Monitor {
     let end_s = record.truths.last().map_or(0.0, |truth| truth.time_s);
     let mut monitor = Monitor::new(bound);

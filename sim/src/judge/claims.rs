@@ -21,7 +21,7 @@ use crate::{
 pub(crate) struct FalseClaims {
     /// False claims of upright edges.
     pub(super) upright: usize,
-    /// False claims of all other kinds.
+    /// False claims of all kinds but upright edges.
     pub(super) others: usize,
 }
 
@@ -54,7 +54,8 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
     }
 }
 
-/// Whether some floor joint has all but the share `share_wrong` of the points within their bounds of its centre line.
+/// Whether the claimed points lie along some true floor joint: all but the share `share_wrong` of them are within their own bounds of the joint's
+/// centre line.
 fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     let (Some(camera), Some(tiles), Some(laid), Some(mount)) =
         (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.place.tiles, &drawn.devices.floor_camera)
@@ -66,7 +67,8 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     for &[u_px, v_px, bound_px] in points_px {
         let look = |du_px: f64, dv_px: f64| on_floor([u_px + du_px, v_px + dv_px], &lens, truth, mount);
         let (Some(place_m), Some([along_u, along_v])) = (look(0.0, 0.0), slopes(&look)) else { continue };
-        // The point's bound as a distance on the floor, measured across the joints of either direction.
+        // The claimed point's bound in pixels as a distance on the floor, measured at right angles to the joints of each of the tile grid's two
+        // directions.
         let distance_m = [0.0, 90.0].map(|turn_deg| {
             let (sin, cos) = f64::to_radians(tiles.rotation_deg + turn_deg).sin_cos();
             let across = |slope: [f64; 2]| cos * slope[0] + sin * slope[1];
@@ -80,9 +82,9 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     near.values().any(|&count| count >= needed)
 }
 
-/// Direction (angle from world x) along which a claimed level line may run: that of a wall or at right angles to it, up to the angle by
-/// which furniture may stand askew. The line passes within `bound_px` of both ends; `None` when there is no such direction. Directions of
-/// walls are the true ones; those of furniture and of what is laid on the floor are as the scene states them.
+/// Direction (angle from world x) along which a claimed level (horizontal) line may truly run: that of a wall or at right angles to it, up to the
+/// angle by which furniture may stand askew. The line passes within `bound_px` of both claimed image points `ends_px`; `None` when there is no such
+/// direction. Directions of walls are the true ones; those of furniture and of what is laid on the floor are as the scene states them.
 pub fn wall_line_deg(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -103,8 +105,8 @@ pub fn wall_line_deg(
     })
 }
 
-/// Normals, in the world frame, of four planes through the forward camera. Each plane contains a line that passes each of the two ends at a
-/// distance of the bound, on one side or the other.
+/// Normals, in the world frame, of four planes through the forward camera. Each plane contains an image line that passes each end of the claimed line
+/// at a distance of the claim's bound, on one side of the end or the other.
 fn sight_planes(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -126,16 +128,17 @@ fn sight_planes(
     Some([plane(-1.0, -1.0)?, plane(-1.0, 1.0)?, plane(1.0, -1.0)?, plane(1.0, 1.0)?])
 }
 
-/// Whether a line that passes both ends within their bound may have one of the given directions, or a direction between two of them. Plane
-/// normals are bilinear in the line's offsets from the two ends, and their scalar products with a direction change steadily from one
-/// direction to another, so that some normal is at right angles to the line exactly when the products are not all of one sign.
+/// Whether a line in space that is seen within the bound of both claimed ends may have one of the given directions, or a direction between two of
+/// them. `corners` holds the normals of the planes of sight for the four extreme image lines. Plane normals are bilinear in the image line's offsets
+/// from the two ends, and their scalar products with a direction change steadily from one direction to another, so that some normal is at right
+/// angles to the line exactly when the products are not all of one sign.
 fn may_hold(corners: &[Vector3<f64>; 4], directions: &[Vector3<f64>]) -> bool {
     let mut sides = directions.iter().flat_map(|direction| corners.map(|normal| normal.dot(direction) > 0.0));
     let first = sides.next();
     sides.any(|side| Some(side) != first)
 }
 
-/// Whether the claimed landmark lies in the claimed box, as seen from the robot's true pose.
+/// Whether the claimed landmark truly lies in the claimed box, which is given in the frame of the robot's true pose.
 fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Scene, truth: &Truth) -> bool {
     let Some(landmark) = scene.landmarks.get(landmark.0 as usize) else { return false };
     let (x_m, y_m) = (landmark.x_m - truth.pose.x_m, landmark.y_m - truth.pose.y_m);
@@ -143,7 +146,7 @@ fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Sce
     in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
 }
 
-/// How far the point on the floor below a pixel's ray moves for one pixel to the right, and for one pixel down.
+/// How far the point on the floor that a pixel of the floor camera sees moves for one pixel to the right, and for one pixel down.
 fn slopes(look: &dyn Fn(f64, f64) -> Option<Point2<f64>>) -> Option<[[f64; 2]; 2]> {
     let between = |from: Point2<f64>, to: Point2<f64>| (to - from).into();
     Some([between(look(-0.5, 0.0)?, look(0.5, 0.0)?), between(look(0.0, -0.5)?, look(0.0, 0.5)?)])

@@ -1,4 +1,5 @@
-//! Containment at every step, and blame by counterfactual: a broken bound or false claim is to blame only if the run without it holds the truth.
+//! Judges at every step whether the boxes contain the true pose, and finds what was to blame by counterfactual: a broken bound or a false claim is to
+//! blame only if the boxes hold the truth when the run is simulated again without it.
 
 use localizer::reading::Camera;
 
@@ -14,11 +15,11 @@ use super::{
     verdict::{Containment, FirstFailure, Judgement, Violation},
 };
 
-/// Greatest number of rounds in which readings with too many false claims are withheld. Without them later readings may make other claims,
-/// of which again too many may be false.
+/// Greatest number of rounds in which the run is simulated again without the readings that have too many false claims. Without them later readings
+/// may make other claims, of which again too many may be false and which the next round leaves out.
 const MOST_ROUNDS: usize = 3;
 
-/// A sequence of consecutive steps at which the truth is outside the union of boxes.
+/// A sequence of consecutive steps at which the true pose is outside the localizer's union of boxes.
 struct Span {
     first: usize,
     last: usize,
@@ -33,7 +34,7 @@ struct Cause {
     because: String,
 }
 
-/// A declared bound that was exceeded, with its greatest excess.
+/// A declared bound that was exceeded and may be to blame, with its greatest excess.
 struct Candidate {
     violation: Violation,
     first_s: f64,
@@ -41,9 +42,9 @@ struct Candidate {
     exceeded: Vec<([f64; 2], f64)>,
 }
 
-/// The judgement of every step, the counts of judgements, and the first step at which the truth is outside the boxes. Only a run that lost
-/// the truth is simulated again, and only up to its last step outside: with n exceeded bounds at most 2·n − 1 times for the bounds, and up
-/// to six times for false claims, since each round may show further ones.
+/// The judgement of every step, the counts of judgements, and the first step at which the truth is outside the boxes. Only a run that lost the truth
+/// is simulated again, and only up to its last step outside: with n exceeded bounds at most 2·n − 1 times for the bounds, and up to six times for
+/// false claims (three rounds, without and with the exceeded bounds kept), since each round may show further false claims.
 pub(super) fn containment(
     scene: &Scene,
     record: &RunRecord,
@@ -62,7 +63,7 @@ pub(super) fn containment(
     Ok(judged(record, &spans, 0))
 }
 
-/// Every bound that was exceeded, each once, sorted by true value over declared bound with the greatest first.
+/// Every bound that was exceeded in the run, each once, sorted by true value over declared bound with the greatest first.
 fn candidates(violations: &[Violation]) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> = Vec::new();
     for violation in violations {
@@ -87,8 +88,8 @@ fn candidates(violations: &[Violation]) -> Vec<Candidate> {
 }
 
 impl Candidate {
-    /// The change that keeps the bound. A value that the simulator draws or the scene places is moved back to the bound; for a value that
-    /// emerges from the physics the localizer is given the true value as its bound.
+    /// The change with which the run is simulated again so that the bound holds. A value that the simulator draws or the scene places is moved back
+    /// to the bound; for a value that emerges from the physics the localizer is given the true value as its bound.
     fn change(&self) -> Change {
         let Violation { bound, declared, true_value, .. } = &self.violation;
         if is_clipped(bound) {
@@ -122,14 +123,15 @@ struct Trial<'a, 'r> {
 }
 
 impl Trial<'_, '_> {
-    /// Simulates the run again with each exceeded bound kept alone, then with the first two of them, the first three, and so on.
+    /// Simulates the run again with each exceeded bound kept alone, then with the first two exceeded bounds kept together, the first three, and so
+    /// on.
     fn blame_bounds(&mut self) -> Result<(), RenderError> {
         let n_candidates = self.candidates.len();
         let alone = (0..n_candidates).map(|index| index..index + 1);
         let together = (2..=n_candidates).map(|count| 0..count);
         for set in alone.chain(together) {
-            // The last candidate bound of a set is the one that the set adds. If it cannot have caused any failure that still lacks a cause,
-            // the set is skipped.
+            // Each set of candidate bounds adds its last bound to those tried before. If this bound cannot have caused any failure that still lacks a
+            // cause, the set is skipped.
             let adds = self.open().any(|span| self.may_have(set.end - 1, span));
             if !adds {
                 continue;
@@ -148,8 +150,8 @@ impl Trial<'_, '_> {
         Ok(())
     }
 
-    /// Simulates the run again without the readings that have more false claims than declared: first with the bounds as they were, then
-    /// with every exceeded bound kept.
+    /// Simulates the run again without the readings that have more false claims than declared: first with bounds exceeded as they were in the run,
+    /// then with every exceeded bound kept.
     fn blame_perception(&mut self, scene: &Scene, misperceived: &[bool]) -> Result<(), RenderError> {
         for with_bounds in [false, true] {
             if with_bounds && self.candidates.is_empty() {
@@ -223,12 +225,12 @@ impl Trial<'_, '_> {
 
     fn again(&mut self, changes: Vec<Change>) -> Result<RunRecord, RenderError> {
         self.n_replays += 1;
-        // The run is simulated again only up to the last failure that still lacks a cause.
+        // The run is simulated again only up to the last span of steps outside the boxes that still lacks a cause.
         let until_s = self.open().map(|span| self.end_s(span)).reduce(f64::max);
         (self.replay)(&Counterfactual { changes, until_s, until_lost_after_s: None })
     }
 
-    /// A cause in the words of the verdict.
+    /// A cause of a failure, in the words in which the verdict reports it.
     fn cause(&self, judgement: Judgement, blamed: &[usize], misread: Option<[String; 2]>) -> Cause {
         let candidates = || blamed.iter().map(|index| &self.candidates[*index]);
         let names = candidates().map(|candidate| candidate.violation.bound.clone());
@@ -240,7 +242,7 @@ impl Trial<'_, '_> {
     }
 }
 
-/// A reading with which the declared number of wrong claims of its method is exceeded.
+/// A reading that has more wrong claims than the scene declares for its method, alone or with the readings counted together with it.
 struct Misread {
     method: &'static str,
     camera: Option<Camera>,
@@ -289,7 +291,7 @@ fn spans_outside(record: &RunRecord) -> Vec<Span> {
     spans
 }
 
-/// Whether a run's boxes hold the truth at every step of a span.
+/// Whether the boxes of a run that was simulated again hold the truth at every step of a span.
 fn holds(record: &RunRecord, span: &Span) -> bool {
     let steps = span.first..span.last + 1;
     let (truths, estimates) = (record.truths.get(steps.clone()), record.estimates.get(steps));
@@ -332,7 +334,8 @@ fn first_failure(record: &RunRecord, span: &Span, n_replays: usize) -> FirstFail
     FirstFailure { time_s: truth.time_s, axis, margin, outcome: judgement, blame, because }
 }
 
-/// The axis along which a pose lies farthest outside a hull, and how far. The distance is 0 for a pose inside the hull but between its branches.
+/// The axis along which a pose lies farthest outside a hull (the smallest box around a union of boxes), and how far. The distance is 0 for a pose
+/// that is inside the hull but in none of the union's boxes.
 fn farthest_axis(hull: &localizer::PoseBox, truth: localizer::Pose) -> (&'static str, f64) {
     if hull.is_empty() {
         return ("x_m", f64::MAX);

@@ -12,7 +12,8 @@ const TOUCH_M: f64 = 0.002;
 
 /// Figures of a run's errands; empty for a run that follows a route.
 ///
-/// `arrivals_off` counts goals that are reached by the estimate although the true distance exceeds the tolerance plus half the box's diagonal.
+/// `arrivals_off` counts goals that the robot reached according to its estimate although its true distance exceeds the goal's tolerance plus half the
+/// diagonal of the estimate's box.
 pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
     let Some(log) = &record.errands else { return BTreeMap::new() };
     let reached = || log.errands.iter().filter(|errand| errand.outcome == Outcome::Reached);
@@ -49,7 +50,7 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
         ("clearance_furniture_least_m", least(|clearance| clearance.furniture_m)),
         ("clearance_people_least_m", least(|clearance| clearance.people_m)),
     ];
-    // A scene without obstacles of a kind has no distance to them.
+    // Where a scene has no obstacles of a kind, such as people, there is no least distance to them, and the figure is left out.
     let stated = clearances.into_iter().filter(|(_, least_m)| least_m.is_finite());
     metrics.extend(stated.map(|(name, least_m)| (name.to_owned(), least_m)));
     metrics
@@ -58,7 +59,7 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
 /// Distance of the robot's true position from an errand's goal when the errand ended; `None` for an errand that has not ended.
 pub fn true_distance_m(record: &RunRecord, errand: &ErrandRecord) -> Option<f64> {
     let ended_s = errand.ended_s?;
-    // The command at a given time acts after the true state of that time.
+    // The command that ends an errand acts after the true state of the same time, so that state is the one in which the errand ended.
     let truth = record.truths.iter().find(|truth| truth.time_s > ended_s - 0.005)?;
     Some((truth.pose.x_m - errand.goal_m[0]).hypot(truth.pose.y_m - errand.goal_m[1]))
 }

@@ -16,7 +16,7 @@ enum Sense {
     AtLeast,
 }
 
-/// Counts that may be named without the prefix `containment.`.
+/// Counts that a scene's expectations may name without the prefix `containment.`.
 const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception", "unsound"];
 
 /// Placeholder for the names in a summary that depend on the run, such as those of methods: in the list of known figures any one name matches `*`.
@@ -75,7 +75,8 @@ pub const METRICS: [&str; 48] = [
 ];
 
 impl Expect {
-    /// Checks `summary` against the scene's limits. Returns one line for each limit that is missed: its name, the value found, the limit.
+    /// Checks `summary` against the limits that the scene states as its expectations. Returns one line for each limit that is missed: the figure's
+    /// name, the value found, the limit.
     ///
     /// `summary` is a serialised [`Verdict`] or a whole summary.json. A figure that the run did not measure misses every limit.
     pub fn evaluate(&self, summary: &Value) -> Vec<String> {
@@ -161,7 +162,7 @@ fn matches(figure: &str, name: &str) -> bool {
     }
 }
 
-/// A summary that has every figure that a run may have.
+/// A made-up summary that has every figure that a run may have.
 fn blank_summary() -> Value {
     let baseline = Baseline {
         error: Some(Default::default()),

@@ -12,7 +12,7 @@ use super::{claims::FalseClaims, methods::held_claims, share};
 /// An image's own heading interval (one of four a quarter turn apart) counts as a fix when it is no wider than this, about 3°.
 const FIX_WIDTH_RAD: f64 = 0.0524;
 
-/// Figures of the headings from the forward camera's images; empty without such an image.
+/// Figures of the headings that the forward camera's images gave; empty for a run without such an image.
 pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
     let images: Vec<_> = record.images.iter().filter(|image| image.camera == Some(Camera::Forward)).collect();
     if images.is_empty() {
@@ -67,7 +67,7 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
     ])
 }
 
-/// The least value that a share `wanted` of the values does not exceed; 0 when there are no values.
+/// The least of the values that a share `wanted` of all values does not exceed; 0 when there are no values.
 fn quantile(values: &mut [f64], wanted: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let at = (wanted * values.len() as f64).ceil() as usize;

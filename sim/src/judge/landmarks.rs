@@ -1,4 +1,4 @@
-//! Compares the landmark boxes that a method has learnt with the landmarks' true positions.
+//! Compares the boxes in which a method has learnt that landmarks lie with the landmarks' true positions.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +7,11 @@ use localizer::{Status, reading::LandmarkId};
 
 use crate::{run::RunRecord, scene::Scene};
 
-/// Figures of the learnt landmarks; empty when none was learnt.
+/// Figures of the landmark boxes that a method has learnt; empty when none was learnt.
 ///
-/// `landmarks_outside` counts boxes that do not hold their landmark. `landmarks_grown` counts boxes that are no subset of the same
-/// landmark's box one reading earlier, except after a doubt, which takes back what was learnt. A value other than 0 of either means that
-/// something is wrong.
+/// `landmarks_outside` counts boxes that do not hold their landmark. `landmarks_grown` counts boxes that are no subset of the same landmark's box one
+/// reading earlier, except around a time at which the localizer doubts its assumptions and takes back what it learnt. A value other than 0 of either
+/// means that something is wrong.
 pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     let mut before: BTreeMap<LandmarkId, [Interval; 2]> = BTreeMap::new();
     let (mut outside, mut grown) = (0, 0);
@@ -37,7 +37,7 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     ])
 }
 
-/// Whether the localizer doubted an assumption around `time_s`: in the second before it or half a second after it.
+/// Whether the localizer doubted an assumption (had the status `Recovering`) around `time_s`: in the second before it or half a second after it.
 fn was_in_doubt(record: &RunRecord, time_s: f64) -> bool {
     let recent = record.estimates.iter().rev().skip_while(|estimate| estimate.time_s > time_s + 0.5);
     recent.take_while(|estimate| estimate.time_s > time_s - 1.0).any(|estimate| estimate.status == Status::Recovering)

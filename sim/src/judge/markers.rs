@@ -128,8 +128,8 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     metrics
 }
 
-/// Correlation of the confidence P(S) with the distance error of the paper's pipeline, and with the magnitude of its heading error; the
-/// paper's own tables give −0.976 and −0.995. `None` where one of the two quantities does not vary.
+/// Correlation of the confidence P(S), which the pipeline of Zhou et al. 2016 (paper 5) gives with each pose, with the pose's distance error, and
+/// with the magnitude of its heading error; the paper's own tables give −0.976 and −0.995. `None` where one of the two quantities does not vary.
 pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAnswer>) -> [Option<f64>; 2] {
     let fixes: Vec<_> = answers.into_iter().filter_map(|answer| Some((answer.fix?, answer.truth))).collect();
     let pairs = |error: fn(Pose, Pose) -> f64| -> Vec<[f64; 2]> {
@@ -144,7 +144,7 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
     let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn.place)));
     let images = record.images.iter().filter(|image| image.camera == Some(Camera::Ceiling));
-    // The paper's pipeline has one answer for each picture, in the same order.
+    // The pipeline of Zhou et al. 2016 gave one answer for each picture, in the order of the pictures.
     for (image, paper) in images.zip(&record.marker_baselines.answers) {
         if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
             counts.add(scene, record, (image, paper), &sight, &obstacles);
@@ -168,9 +168,9 @@ pub struct MarkerCounts {
     pub read: usize,
     /// Number of claims with an identity that no marker at that place has.
     pub misread: usize,
-    /// Number of pictures with a whole marker in view from which the paper's pipeline read a marker that is in view.
+    /// Number of pictures with a whole marker in view from which the pipeline of Zhou et al. 2016 read a marker that is in view.
     pub paper_read: usize,
-    /// Number of pictures from which the paper's pipeline read a marker that is not in view.
+    /// Number of pictures from which the pipeline of Zhou et al. 2016 read a marker that is not in view.
     pub paper_misread: usize,
 }
 
@@ -197,7 +197,7 @@ impl MarkerCounts {
             record.drawn.place.markers.iter().any(is_it)
         };
         self.misread += claims(image).filter(|claim| !is_there(claim)).count();
-        // The paper's pipeline names one marker, which may be one that is partly out of view.
+        // The pipeline of Zhou et al. 2016 names one marker, which may be one that is partly out of view.
         let nearby =
             |id: MarkerId| on_map(scene, &record.drawn).any(|marker| marker.id == id && sight.shows_some(marker));
         if let Some(fix) = paper.fix {

@@ -1,4 +1,4 @@
-//! Counts for each method: its readings, its claims, and how much it narrowed the box.
+//! Counts for each of the localizer's methods: its readings, its claims, and how often it halved the widths of the estimate's box.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use super::{
     verdict::{Halvings, MethodCounts},
 };
 
-/// For each method, counts of its readings and claims, and how often it halved the widths.
+/// For each of the localizer's methods, counts of its readings and claims, and how often it halved the widths of the estimate's box.
 pub(super) fn counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String, MethodCounts> {
     let mut counts: BTreeMap<String, MethodCounts> = BTreeMap::new();
     for (image, &n_false) in record.images.iter().zip(false_claims) {
@@ -33,7 +33,8 @@ pub(super) fn counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<Str
 }
 
 impl Halvings {
-    /// Adds the halvings of one reading. A width that was unbounded before the reading, and a reading that left nothing, count for nothing.
+    /// Adds how often one reading halved the widths of the estimate's box. A width that was unbounded before the reading, a reading that gave no
+    /// constraint, and one that left no pose, count for nothing.
     fn add(&mut self, image: &ImageRecord) {
         let posterior = image.posterior.hull();
         if !image.constrained || posterior.is_empty() {
@@ -53,8 +54,8 @@ pub(crate) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims
     record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect()
 }
 
-/// For each image, whether the declared limits on wrong claims are exceeded: too many in the image itself, too many in the images that are
-/// counted together with it, or too many of those images.
+/// For each image, whether more claims are false than its quota allows. Depending on how the quota counts, these are too many false claims in the
+/// image itself, too many in the last images counted together, or too many of those images with false claims.
 pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
     let held = held_claims(record, judged);
     let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| {
@@ -71,21 +72,21 @@ pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bo
     is_misperceived.collect()
 }
 
-/// Numbers of claims over the images that are counted together; claims of upright edges are left out.
+/// Numbers of claims over the last images of a method, as many as its quota counts together; claims of upright edges are left out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HeldClaims {
     pub(super) all: usize,
-    /// Number of false claims, and of all claims of images with too many wrong upright edges, from which the camera's lean cannot be found
-    /// correctly.
+    /// Number of false claims. Of an image with too many wrong upright edges all claims count as false, because the camera's lean cannot be found
+    /// correctly from these edges.
     pub(super) wrong: usize,
-    /// Number of images with at least one wrong claim.
+    /// Number of the images counted together that have at least one wrong claim.
     pub(super) spoilt: usize,
-    /// Number of images with more false claims than their own quota.
+    /// Number of the images counted together that have more false claims than their own quota allows.
     misread: usize,
 }
 
 impl HeldClaims {
-    /// Counts for one image that has `all` claims besides those of upright edges.
+    /// Counts for one image alone, which has `all` claims besides those of upright edges.
     fn of(all: usize, quota: &Quota, judged: FalseClaims) -> Self {
         let wrong = if judged.upright > quota.upright { all } else { judged.others };
         let [spoilt, misread] = [wrong > 0, judged.others > quota.items].map(usize::from);
@@ -93,7 +94,8 @@ impl HeldClaims {
     }
 }
 
-/// For each image, the counts over the images whose claims are counted together up to it; `None` for an image whose claims are counted alone.
+/// For each image, the counts over the last images up to it whose claims its quota counts together; `None` for an image whose claims are counted
+/// alone.
 pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
     let mut seen: BTreeMap<&str, Vec<HeldClaims>> = BTreeMap::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
@@ -101,7 +103,7 @@ pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opt
             return None;
         }
         let seen = seen.entry(image.method).or_default();
-        // An image that gives no heading on its own is not counted together with others.
+        // An image that gives no heading on its own is not among the images whose claims are counted together.
         if image.alone_heading_rad.is_some() {
             let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
             seen.push(HeldClaims::of(all, &image.quota, *judged));
@@ -123,7 +125,8 @@ mod tests {
 
     #[test]
     fn without_a_right_lean_no_claim_of_an_image_is_right() {
-        // Worked out by hand: the quota allows one wrong upright edge, so that with two of them all six claims count as wrong.
+        // Worked out by hand: the quota allows one wrong upright edge. With two of them wrong all six other claims of the image count as wrong,
+        // otherwise only the two that are false.
         let quota = Quota { items: 2, upright: 1, n_held: 1, counting: Counting::Readings(2) };
         for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
             assert_eq!(HeldClaims::of(6, &quota, FalseClaims { upright, others: 2 }).wrong, wrong);

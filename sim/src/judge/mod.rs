@@ -1,5 +1,5 @@
-//! Compares a run's estimates with its truth, and finds what was to blame where the truth was outside. The only side effect is to call the
-//! replays that the judge is given.
+//! Compares a run's estimates with its truth, and finds what was to blame where the truth was outside the boxes. The only side effect is to call the
+//! function that the judge is given for simulating the run again.
 
 mod bounds;
 mod claims;
@@ -38,13 +38,13 @@ use crate::{
 };
 use claims::FalseClaims;
 
-/// A function that simulates the judged run again with its recorded commands and given changes: [`run_otherwise`](crate::run::run_otherwise).
+/// A function that simulates the judged run again, with its recorded commands and with given changes: [`run_otherwise`](crate::run::run_otherwise).
 pub type Replay<'a> = dyn FnMut(&Counterfactual) -> Result<RunRecord, RenderError> + 'a;
 
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
 ///
-/// `replay` is called only when the truth was outside the boxes: a cause is to blame if the run without it holds the truth. Returns an
-/// error when `replay` does.
+/// `replay` simulates the run again with changes. It is called only when the truth was outside the boxes: a cause is to blame if the run without it
+/// holds the truth. Returns an error when `replay` does.
 pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Result<Verdict, RenderError> {
     let violations = violations(scene, record);
     let judged = methods::false_claims(scene, record);
@@ -84,7 +84,7 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     Ok(verdict)
 }
 
-/// A function that takes the pose from a marker baseline's answer to one picture.
+/// A function that takes a baseline's pose from the answers of the marker baselines (point estimates from ceiling markers) to one picture.
 type ToldPose = fn(&PaperAnswer) -> Option<Pose>;
 
 /// The figures of the baselines: odometry alone, and other methods on the same readings.
@@ -128,7 +128,8 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
     baselines
 }
 
-/// Share of the steps at which the status is sound, the box holds the truth and the box is narrower than the scene's declared width.
+/// Share of the steps at which the localizer doubts no assumption (its status is sound), its boxes hold the truth, and the box around them is
+/// narrower than the scene's declared width.
 fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     let (width_m, width_rad) = (scene.localizer.declared_width_m, scene.localizer.declared_width_deg.to_radians());
     let available = record.estimates.iter().zip(&record.truths).filter(|(estimate, truth)| {
@@ -142,7 +143,8 @@ fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     share(available.count(), record.estimates.len())
 }
 
-/// Further figures that help to understand a run, such as the distance driven, the number of branches, and the time in doubt or outside.
+/// Further figures that help to understand a run, such as the distance driven, the number of boxes in the estimate, the time in which the localizer
+/// doubted its assumptions, and the time with the truth outside the boxes.
 fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
     let distance_m: f64 = record
         .truths

@@ -33,7 +33,7 @@ pub(super) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
     }
 }
 
-/// Errors of the hull's midpoint just after each constraint.
+/// Errors of the midpoint of the estimate's hull (the smallest box around its boxes), just after each reading that constrained the pose.
 pub(super) fn errors_at_fix(record: &RunRecord) -> ErrorTable {
     let fixes = record.images.iter().filter(|image| image.constrained && !image.emptied);
     let (midpoints, truths): (Vec<Pose>, Vec<Pose>) =
@@ -41,7 +41,7 @@ pub(super) fn errors_at_fix(record: &RunRecord) -> ErrorTable {
     errors(&midpoints, &truths)
 }
 
-/// Full widths of the hull over all steps, and just after each constraint.
+/// Full widths of the estimate's hull (the smallest box around its boxes) over all steps, and just after each reading that constrained the pose.
 pub(super) fn widths(record: &RunRecord) -> WidthTable {
     let hulls: Vec<PoseBox> = record.estimates.iter().map(|estimate| estimate.pose.hull()).collect();
     let fixes: Vec<PoseBox> = record
@@ -89,7 +89,7 @@ pub(super) fn power(record: &RunRecord) -> PowerTable {
     PowerTable { over_all: table(&all), after_5_s: table(&settled) }
 }
 
-/// The greatest ratio of |error| to half the width, and the least value that at most one ratio in a thousand exceeds. Empty and unbounded
+/// The greatest ratio of |error| to half the box's width, and the least of these ratios that at most one in a thousand exceeds. Empty and unbounded
 /// boxes have no ratio.
 fn axis_power(mut ratios: Vec<f64>) -> AxisPower {
     ratios.retain(|ratio| ratio.is_finite());

@@ -10,32 +10,37 @@ use serde::Serialize;
 pub enum Judgement {
     /// The truth is in the union of boxes.
     Contained,
-    /// The truth is outside because a declared bound that the estimate relies on was exceeded: with the bound kept, the truth is inside.
+    /// The truth is outside because a declared bound that the estimate relies on was exceeded: when the run is simulated again with the bound kept,
+    /// the truth is inside.
     BoundBroken,
-    /// The truth is outside because more claims were false than declared: without those claims the truth is inside.
+    /// The truth is outside because more claims were false than declared: when the run is simulated again without the readings that made them, the
+    /// truth is inside.
     Perception,
-    /// The truth is outside and no cause is found: every bound held and the claims were true, or keeping the bounds and withholding the
-    /// false claims does not bring the truth inside.
+    /// The truth is outside and no cause is found: every bound held and no more claims were false than declared, or the truth is still outside when
+    /// the run is simulated again with the bounds kept and without the readings that made the false claims.
     Unsound,
 }
 
 /// Everything about a run that `summary.json` holds, in its order.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// Counts of judgements over all steps; `None` for a subject that answers with points.
+    /// Counts of the judge's judgements over all steps; `None` for a localizer that answers with points.
     pub containment: Option<Containment>,
-    /// The judgement of every step, which `steps.csv` holds.
+    /// The judge's judgement of every step of the run, which `steps.csv` holds.
     #[serde(skip)]
     pub judgements: Vec<Judgement>,
     /// Every declared bound that was exceeded, whether or not the truth stayed inside.
     pub violations: Vec<Violation>,
-    /// Errors of the midpoint of the estimate's hull.
+    /// Errors of the midpoint of the estimate's hull, the smallest box around its boxes.
     pub error: ErrorTable,
-    /// Full widths of the estimate's hull over all steps; `None` for a subject that answers with points.
+    /// Full widths of the estimate's hull, the smallest box around its boxes, over all steps; `None` for a tested localizer (subject) that answers
+    /// with points.
     pub width: Option<WidthTable>,
-    /// |error| over half the width, which shows how much narrower the boxes could have been; `None` for a subject that answers with points.
+    /// |error| of the box's middle over half the box's width, which shows how much narrower the boxes could have been; `None` for a tested localizer
+    /// (subject) that answers with points.
     pub power: Option<PowerTable>,
-    /// Share of the steps that are sound, hold the truth and are narrower than declared; `None` for a subject that answers with points.
+    /// Share of the steps at which the localizer doubts no assumption, its boxes hold the truth, and the box around them is narrower than declared;
+    /// `None` for a tested localizer (subject) that answers with points.
     pub availability: Option<f64>,
     /// For each method, counts of its readings and claims.
     pub methods: BTreeMap<String, MethodCounts>,
@@ -48,7 +53,7 @@ pub struct Verdict {
 }
 
 impl Judgement {
-    /// All judgements, from best to worst.
+    /// All judgements that the judge may give a step, from best to worst.
     pub const ALL: [Judgement; 4] =
         [Judgement::Contained, Judgement::BoundBroken, Judgement::Perception, Judgement::Unsound];
 
@@ -63,12 +68,12 @@ impl Judgement {
     }
 }
 
-/// Counts of judgements over all steps.
+/// Counts of the judge's judgements over all steps.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Containment {
     /// Number of steps that were judged.
     pub checks: usize,
-    /// Number of steps with the truth in the union.
+    /// Number of steps with the truth in the union of boxes.
     pub contained: usize,
     /// Number of steps with the truth outside because of a broken bound.
     pub bound_broken: usize,
@@ -87,15 +92,17 @@ pub struct Containment {
 pub struct FirstFailure {
     /// Time of the first step outside.
     pub time_s: f64,
-    /// Axis along which the truth is farthest outside the hull: `x_m`, `y_m` or `heading_rad`; `between branches` when it is inside the hull.
+    /// Axis along which the truth is farthest outside the estimate's hull (the smallest box around its boxes): `x_m`, `y_m` or `heading_rad`;
+    /// `between branches` when it is inside the hull but in none of the boxes.
     pub axis: &'static str,
-    /// Distance of the truth from the estimate's hull along the axis where it is farthest outside; 0 between branches.
+    /// Distance of the truth from the estimate's hull (the smallest box around its boxes) along the axis where it is farthest outside; 0 when the
+    /// truth is inside the hull but in none of the boxes.
     pub margin: f64,
     /// The judgement of the first step outside.
     pub outcome: Judgement,
     /// Name of the broken bound, or which claims were false.
     pub blame: String,
-    /// By how much the bound or the number of claims was exceeded, and without which cause the run holds the truth.
+    /// By how much the bound or the number of false claims was exceeded, and with which change the same commands keep the truth inside the boxes.
     pub because: String,
 }
 
@@ -136,7 +143,7 @@ pub struct Baseline {
     /// Errors of a point method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorTable>,
-    /// How many of a solver's boxes contain the truth.
+    /// How many of the boxes contain the truth that a baseline gives as an interval solver.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub containment: Option<BaselineContainment>,
     /// Widths of a solver's boxes.
@@ -144,10 +151,10 @@ pub struct Baseline {
     pub width: Option<BaselineWidth>,
 }
 
-/// Containment of the truth in a solver's boxes.
+/// Containment of the truth in the boxes of an interval solver that is run as a baseline.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct BaselineContainment {
-    /// Number of problems given to the solver.
+    /// Number of pose problems given to the solver; each is to find the robot's pose from one range reading.
     pub checks: usize,
     /// Number of boxes that contain the truth.
     pub contained: usize,
@@ -156,7 +163,7 @@ pub struct BaselineContainment {
 /// Widths of a solver's boxes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct BaselineWidth {
-    /// Widths over all problems that the solver answered.
+    /// Widths of the boxes over all pose problems that the solver answered.
     pub at_fix: FixWidth,
 }
 
@@ -164,30 +171,31 @@ pub struct BaselineWidth {
 /// of the greatest value (`max`) would still have held the truth. Not a number where no step had a bounded box.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct PowerTable {
-    /// |error| over half the width, over all steps.
+    /// |error of the hull's midpoint| over half the hull's width, over all steps.
     #[serde(flatten)]
     pub over_all: Power,
-    /// |error| over half the width, over the steps from 5 s after the start of each drive on, when the start box no longer matters.
+    /// |error of the hull's midpoint| over half the hull's width, over the steps from 5 s after the start of each drive on, when the start box no
+    /// longer matters.
     pub after_5_s: Power,
 }
 
-/// |error| over half the width along each axis.
+/// |error of the hull's midpoint| over half the hull's width along each axis; the hull is the smallest box around the estimate's boxes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Power {
-    /// Ratio of |error| to half the width along world x.
+    /// |error of the hull's midpoint| over half the hull's width, along world x.
     pub x_m: AxisPower,
-    /// Ratio of |error| to half the width along world y.
+    /// |error of the hull's midpoint| over half the hull's width, along world y.
     pub y_m: AxisPower,
-    /// Ratio of |error| to half the width in heading.
+    /// |error of the hull's midpoint| over half the hull's width, in heading.
     pub heading_rad: AxisPower,
 }
 
-/// |error| over half the width along one axis.
+/// |error of the hull's midpoint| over half the hull's width along one axis; the hull is the smallest box around the estimate's boxes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct AxisPower {
-    /// Greatest ratio of |error| to half the width over the steps.
+    /// Greatest ratio of the midpoint's |error| to half the hull's width over the steps.
     pub max: f64,
-    /// Ratio of |error| to half the width that only one step in a thousand exceeds.
+    /// Ratio of the midpoint's |error| to half the hull's width that only one step in a thousand exceeds.
     pub p999: f64,
 }
 
@@ -200,9 +208,9 @@ pub struct ErrorTable {
     pub y_m: AxisError,
     /// Error in heading.
     pub heading_rad: AxisError,
-    /// Distance of the estimate from the true position in the plane.
+    /// Distance of the estimated position from the true position in the plane.
     pub position_m: PositionError,
-    /// Errors just after each fix, at the stamp of the reading that made the fix.
+    /// Errors just after each fix (a reading that constrained the pose), at the stamp of that reading.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_fix: Option<Box<ErrorTable>>,
 }
@@ -223,11 +231,11 @@ pub struct AxisError {
 /// Errors of the position in the plane.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct PositionError {
-    /// Mean distance from the true position.
+    /// Mean distance of the estimated position from the true position.
     pub mean: f64,
-    /// Standard deviation of the distance from the true position.
+    /// Standard deviation of the distance of the estimated position from the true position.
     pub sd: f64,
-    /// Greatest distance from the true position.
+    /// Greatest distance of the estimated position from the true position.
     pub max: f64,
 }
 
@@ -240,11 +248,11 @@ pub struct WidthTable {
     pub y_m: AxisWidth,
     /// Width in heading.
     pub heading_rad: AxisWidth,
-    /// Full widths of the hull just after a fix.
+    /// Full widths of the estimate's hull just after a fix, a reading that constrained the pose.
     pub at_fix: FixWidth,
 }
 
-/// Full widths of the hull at the stamps of images, just after their constraints.
+/// Full widths of the estimate's hull (the smallest box around its boxes) at the stamps of images, just after the image constrained the pose.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FixWidth {
     /// Width along world x.
@@ -264,45 +272,45 @@ pub struct AxisWidth {
     pub p95: f64,
     /// Greatest width.
     pub max: f64,
-    /// Mean width in each third of the run.
+    /// Mean width of the estimate's hull in each third of the run.
     pub mean_by_third: [f64; 3],
-    /// Mean width in the last third of the run over that in the second; 1 when nothing was measured. A value above 1 means that the
-    /// localizer loses knowledge.
+    /// Mean width of the estimate's hull in the last third of the run over that in the second; 1 when nothing was measured. A value above 1 means
+    /// that the localizer loses knowledge.
     pub growth: f64,
 }
 
 impl Default for AxisWidth {
-    /// The widths when nothing was measured.
+    /// Widths to report when nothing was measured.
     fn default() -> Self {
         AxisWidth { mean: 0.0, p95: 0.0, max: 0.0, mean_by_third: [0.0; 3], growth: 1.0 }
     }
 }
 
-/// Counts of what a method read and claimed.
+/// Counts of a method's readings, of the constraints on the pose that it made from them, and of what it claimed to see.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct MethodCounts {
-    /// Number of readings given to the method.
+    /// Number of readings that the method was given.
     pub readings: usize,
-    /// Number of constraints that the method made.
+    /// Number of the method's readings that gave a constraint on the pose.
     pub constraints: usize,
-    /// Number of constraints that emptied the union.
+    /// Number of the method's constraints that contradicted the estimate, so that no box was left.
     pub empty: usize,
     /// Number of claims that the method made.
     pub claims: usize,
     /// Number of claims that were false.
     pub false_claims: usize,
-    /// How many times the method halved the hull's width, summed over its readings at their stamps.
+    /// How many times the method halved the widths of the estimate's hull, summed over its readings at their stamps.
     pub halved: Halvings,
 }
 
-/// How many times widths were halved: the sum of log₂ of the width before a reading over the width after it.
+/// How many times the widths of the estimate's hull were halved: the sum of log₂ of the width before a reading over the width after it.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Halvings {
-    /// Halvings of the width along world x.
+    /// How many times the width along world x was halved.
     pub x_m: f64,
-    /// Halvings of the width along world y.
+    /// How many times the width along world y was halved.
     pub y_m: f64,
-    /// Halvings of the width in heading.
+    /// How many times the width in heading was halved.
     pub heading_rad: f64,
 }
 

@@ -41,7 +41,8 @@ impl Default for Goal {
 }
 
 impl Markers {
-    /// The coverage goal of the scene's markers.
+    /// Goal for the scene's ceiling markers: how many of them the ceiling camera has to see from everywhere. It is that of the layout that
+    /// the scene demands, or the default.
     pub fn goal(&self) -> Goal {
         self.layout.as_ref().map_or_else(Goal::default, |layout| Goal {
             seen_at_once: layout.seen_at_once,
@@ -50,24 +51,25 @@ impl Markers {
     }
 }
 
-/// Surveyed place of a marker: world x and y of its middle, and its height.
+/// Position of a marker on the map: world x and y of its middle, and its height.
 pub type Place = [f64; 3];
 
 /// Result of a coverage proof: whether enough markers are surely seen from every pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coverage {
-    /// The coverage goal is met from every pose that the robot can take, whatever the errors are within their tolerances.
+    /// Enough markers are seen from every pose that the robot can take, whatever the errors are within their tolerances.
     Covered,
-    /// The coverage goal is not met from the given pose, or not surely.
+    /// From the given pose too few markers are seen, or not surely enough.
     Uncovered {
-        /// A robot pose from which enough markers are not surely seen.
+        /// A robot pose from which it is not sure that the ceiling camera sees enough markers.
         pose: Pose,
-        /// Number of markers whose middle is in the ceiling camera's image from the reported pose, if there are no errors at all.
+        /// Number of markers whose middle is in the ceiling camera's image from this pose, if there are no errors at all.
         seen: usize,
     },
 }
 
-/// Checks whether the markers on the scene's map cover the robot's room; `None` if there is no ceiling camera or no marker.
+/// Checks whether the ceiling camera sees enough of the markers on the scene's map from every pose in the robot's room; `None` if there is
+/// no ceiling camera or no marker.
 pub fn coverage(scene: &Scene) -> Option<Coverage> {
     let markers = scene.markers.as_ref()?;
     let goal = markers.goal();
@@ -83,26 +85,26 @@ pub fn reach(scene: &Scene) -> [[f64; 2]; 2] {
     [scene.room.width_m, scene.room.depth_m].map(|extent_m| [clearance_m, extent_m - clearance_m])
 }
 
-/// A box of poses, given by its middle and half of each of its sides.
+/// A box of robot poses, given by its middle and half of each of its sides.
 #[derive(Clone, Debug)]
 pub(crate) struct Poses {
     pub(crate) middle: Pose,
     pub(crate) half_m: [f64; 2],
     pub(crate) half_rad: f64,
-    /// Markers that may be in view from some pose of the box.
+    /// Markers that may be in the ceiling camera's image from some pose of the box.
     near: Rc<[Place]>,
 }
 
-/// Size below which a box of poses is not halved further. If enough markers are not proven to be seen from all of its poses then, its
-/// middle is reported as uncovered.
+/// Half sides below which a box of robot poses is not halved further. If it is then not proven that enough markers are seen from all of its
+/// poses, its middle is reported as uncovered.
 const LEAST_M: f64 = 0.002;
 const LEAST_RAD: f64 = 0.004;
-/// Number of boxes of poses that are still searched after a pose that is not surely covered was found, to find one from which too few
-/// markers are seen even without errors.
+/// Number of boxes of robot poses that are still searched after a pose was found from which it is not sure that enough markers are seen.
+/// The search is for a pose from which too few markers are seen even without errors.
 const MORE_BOXES: usize = 20_000;
 
-/// Proves by branch and bound that a room is covered: a box of poses is done when enough markers are surely in the image from all of its
-/// poses.
+/// Proves by branch and bound that the ceiling camera sees enough markers from everywhere in a room: a box of robot poses is done when
+/// enough markers are surely in the image from all of its poses.
 pub fn covered(field: &Field, places: &[Place], reach_m: &[[f64; 2]; 2], seen_at_once: usize) -> Coverage {
     match search(field, places, reach_m, seen_at_once, MORE_BOXES) {
         None => Coverage::Covered,
@@ -113,8 +115,8 @@ pub fn covered(field: &Field, places: &[Place], reach_m: &[[f64; 2]; 2], seen_at
     }
 }
 
-/// Finds a pose from which too few markers are surely in the image. Among `more_boxes` boxes of poses after the first such pose, it prefers
-/// one that sees too few markers even without errors.
+/// Finds a robot pose from which it is not sure that enough markers are in the image. Among `more_boxes` boxes of poses after the first
+/// such pose, it prefers one that sees too few markers even without errors.
 fn search(
     field: &Field,
     places: &[Place],
@@ -130,7 +132,7 @@ fn search(
     let half_m = [0.5 * (x_m[1] - x_m[0]), 0.5 * (y_m[1] - y_m[0])];
     let mut boxes = VecDeque::from([Poses { middle, half_m, half_rad: PI, near: places.into() }]);
     let (mut found, mut left) = (None, usize::MAX);
-    // With `more_boxes` at 0 any uncovered pose will do, and a depth-first search finds one sooner than a breadth-first search.
+    // With `more_boxes` at 0 the first pose found is enough, and a depth-first search finds one sooner than a breadth-first search.
     let next = if more_boxes == 0 { VecDeque::pop_back } else { VecDeque::pop_front };
     while left > 0
         && let Some(poses) = next(&mut boxes)
@@ -164,10 +166,10 @@ impl Poses {
         Poses { half_m: [0.0; 2], half_rad: 0.0, ..self.clone() }
     }
 
-    /// Halves of a box of poses, cut along the coordinate that moves markers in the image most.
+    /// The two halves of a box of robot poses, cut along the coordinate that moves markers in the image most.
     fn halves(&self, near: Rc<[Place]>) -> [Poses; 2] {
-        // Lever by which a turn of the robot moves what is at the rim of the image. On a ceiling the rim is about a metre away; half of
-        // that is used, so that the heading is not cut first where no cut of it is needed.
+        // Distance over which a turn of the robot is taken to move what is at the rim of the image. On a ceiling the rim is about a metre
+        // away; half of that is used, so that the heading is not cut first where no cut of it is needed.
         const RIM_M: f64 = 0.5;
         let [x_m, y_m] = self.half_m;
         let turn_m = RIM_M * self.half_rad;
@@ -187,12 +189,12 @@ impl Poses {
         })
     }
 
-    /// A box of poses that holds a single pose.
+    /// A box of robot poses that holds a single pose.
     pub(crate) fn at(middle: Pose) -> Poses {
         Poses { middle, half_m: [0.0; 2], half_rad: 0.0, near: Rc::new([]) }
     }
 
-    /// Whether a box of poses holds poses of all headings.
+    /// Whether a box of robot poses holds poses of all headings.
     pub(crate) fn has_all_headings(&self) -> bool {
         2.0 * self.half_rad >= TAU
     }

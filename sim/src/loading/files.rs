@@ -10,19 +10,20 @@ use std::{
 use super::{Setting, parse};
 use crate::scene::{Scene, SceneError, Sources};
 
-/// Ending of the names of files that scenes extend but that are not scenes themselves.
+/// End of the names of files that other scene files extend but that are not scenes themselves.
 const BASE_ENDING: &str = ".base.toml";
 
 /// A scene, the file that it came from, and the name under which its runs are recorded.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// Path of the file below the nearest folder called `scenes`, without the ending: `papers/floor_vision_odometry`.
+    /// Name of the scene: path of its file below the nearest folder called `scenes`, without the ending, such as `papers/floor_vision_odometry`.
     pub name: String,
     /// Path of the scene's file.
     pub path: PathBuf,
-    /// Keys that are set to other values than the file states.
+    /// Keys of the scene that are set to other values than its file states.
     pub settings: Vec<Setting>,
-    /// Text of the scene as it was read. With `settings`, or when the file extends another, the whole scene is written anew as one text.
+    /// Text of the scene as it was read from its file. If `settings` change keys, or if the file extends another, it is instead one new text of the
+    /// whole scene.
     pub text: String,
     /// Scene that the text states.
     pub scene: Scene,
@@ -36,7 +37,7 @@ impl Scene {
 }
 
 impl SceneFile {
-    /// Reads a scene file and the files that it extends.
+    /// Reads a scene's file and the files that it extends, and gives the scene its name.
     pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
         let (scene, text) = parse::read(Sources::load(path)?, path.parent())?;
         Ok(SceneFile { name: name_of(path), settings: Vec::new(), text, scene, path: path.to_owned() })

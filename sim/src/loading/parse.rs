@@ -24,13 +24,14 @@ impl Scene {
         Scene::parse_beside(text, file, Path::new(file).parent())
     }
 
-    /// Reads a text like [`Scene::parse`], with the scene's map in `folder`. Without a folder the map is not read, and nothing can be planned on it.
+    /// Reads the text of a scene like [`Scene::parse`], with the map file that it names in `folder`. Without a folder the map is not read, and no
+    /// paths can be planned on it.
     pub(crate) fn parse_beside(text: &str, file: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
         read(Sources::alone(text, file), folder).map(|(scene, _)| scene)
     }
 }
 
-/// Reads the scene that `sources` state, whose map lies in `folder`. Also returns the whole scene as one text.
+/// Reads the scene that `sources` state; a map file that it names lies in `folder`. Also returns the whole scene as one text.
 pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, String), SceneError> {
     let whole = sources.merged().and_then(|document| {
         let scene = valid(&document, sources.text(), folder)?;
@@ -44,7 +45,7 @@ pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, St
     whole.map_err(|problems| sources.refuse(problems))
 }
 
-/// Makes a valid scene of `document`, whose spans count bytes of `text`.
+/// Makes a valid scene of `document`, whose spans are ranges of bytes of `text`.
 fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
     let departures = conform::departures(document, text);
     if !departures.is_empty() {
@@ -70,8 +71,8 @@ fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> 
     Ok(scene)
 }
 
-/// Contradiction of a light that is stated both at the floor and at the camera. It is found in the document, as a `Scene` does not tell what was
-/// stated from what is a default.
+/// The contradiction of a scene that states its light both at the floor and at the forward camera. It is found in the document, as a `Scene` does not
+/// show which of its values were stated and which are defaults.
 fn stated_twice(document: &Spanned<DeTable<'_>>) -> Option<Contradiction> {
     let DeValue::Table(light) = document.get_ref().get("light")?.get_ref() else { return None };
     let is_twice =
@@ -93,7 +94,7 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
 
 /// A contradiction: something that a scene states in the right form but that is impossible.
 pub(super) struct Contradiction {
-    /// Dotted path of the key concerned.
+    /// Dotted path of the key of the scene that states something impossible.
     pub(super) key: String,
     /// What is wrong, and what was expected.
     pub(super) expected: String,
@@ -107,7 +108,8 @@ impl Contradiction {
     }
 }
 
-/// Range of bytes of the value of `key`, or else of the innermost table around it that the file has. The flag says whether it is the value's.
+/// Range of bytes in the scene's text of the value of `key`. If the file does not state the key, the range is that of the innermost table around it
+/// that the file has. The flag says whether the range is that of the value.
 fn locate(document: &DeTable<'_>, key: &str) -> (Range<usize>, bool) {
     let mut table = document;
     let mut span = 0..0;

@@ -1,4 +1,4 @@
-//! Checks that a schema cannot express: everything is inside the room and within the run's time, and every name that is used exists.
+//! Checks of a scene that a schema cannot express: everything is inside the room and within the run's time, and every name that is used exists.
 
 mod building;
 mod cameras;
@@ -66,7 +66,7 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
         for (axis, extent_m) in [("x_m", scene.room.width_m), ("y_m", scene.room.depth_m)] {
             let value_m = at_m[usize::from(axis == "y_m")];
             let (least_m, most_m) = (margin_m, extent_m - margin_m);
-            // Tolerance for rounding: sums like 0.25 + 0.01 are not exact, and nobody places a wall that finely.
+            // Tolerance for rounding when positions are compared: sums like 0.25 + 0.01 are not exact, and nobody places a wall that finely.
             const ROUNDING_M: f64 = 1e-9;
             if value_m < least_m - ROUNDING_M || value_m > most_m + ROUNDING_M {
                 let expected = if least_m <= most_m {
@@ -121,8 +121,8 @@ fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
 }
 
-/// Checks that the robot has the device that each localization method reads, that no method is listed twice, and that the range camera's keys leave
-/// it something to measure.
+/// Checks that the robot has the device that each localization method reads, that no method is listed twice, and that the range camera's numbers of
+/// wrong landmarks and its ranges leave it something to measure.
 fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
     // The device of the method `floor_tiles` needs no check, as this method is in the list by default and reads tiles only where there are any.
     let stated = scene.localizer.methods.iter().filter(|method| **method != MethodName::FloorTiles);
@@ -154,7 +154,7 @@ fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
 fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     if let Some(tiles) = &scene.floor.tiles {
         let shorter_m = tiles.edge_x_m.min(tiles.edge_y_m);
-        // A joint as wide as half a tile is a stripe of its own, from whose middle no position could be found.
+        // A joint wider than half a tile is a stripe in its own right, whose centre line gives no position.
         if tiles.joint_width_m > 0.5 * shorter_m {
             let expected = format!("wider than half a tile, expected at most {}", 0.5 * shorter_m);
             found.push(Contradiction { key: "floor.tiles.joint_width_m".to_owned(), expected });

@@ -67,7 +67,7 @@ impl SceneTemplate {
         Ok(SceneFile { scene, text, settings: settings.to_vec(), ..self.file.clone() })
     }
 
-    /// The steps through tables and lists that lead to a key of a scene.
+    /// The steps through tables and lists of the document that lead to a key of the scene.
     fn steps(&self, key: &str) -> Result<Vec<Step>, SceneError> {
         let document = Value::Table(self.document.clone());
         let segments = segments(key);
@@ -130,20 +130,22 @@ fn segments(key: &str) -> Vec<&str> {
     key.split(['.', '[']).map(|segment| segment.trim_end_matches(']')).collect()
 }
 
-/// The steps along the path `segments`; `None` if the schema `node`, or a list in the document at `place`, has no such part.
+/// The steps along the parts `segments` of a dotted path. `None` if the schema `node`, or a list in the value `place` of the document, has no such
+/// part.
 fn walk(node: &'static Json, place: Option<&Value>, segments: &[&str]) -> Option<Vec<Step>> {
     let Some((segment, rest)) = segments.split_first() else { return Some(Vec::new()) };
     let (step, node, place) = options(node, place).into_iter().find_map(|option| enter(option, place, segment))?;
     let mut steps = vec![step];
     match node {
         Some(node) => steps.extend(walk(node, place, rest)?),
-        // Below a table whose keys are free, such as `expect`, the scene's own check decides which keys are allowed.
+        // Below a table that may have keys of any name, such as `expect`, the scene's own check decides which are allowed.
         None => steps.extend(rest.iter().map(|segment| Step::Key((*segment).to_owned()))),
     }
     Some(steps)
 }
 
-/// Takes one step into what the schema `node` describes. The returned schema is `None` where keys are free.
+/// Takes one step along a dotted path, to the key or list item `segment` of what the schema `node` describes. The returned schema is `None` where
+/// keys may have any name.
 fn enter<'a>(
     node: &'static Json,
     place: Option<&'a Value>,
@@ -163,7 +165,7 @@ fn enter<'a>(
     }
 }
 
-/// The schemas that `node` may stand for: the alternatives of a choice, or the kind that the document states.
+/// The schemas that may hold in place of `node`: its alternatives, or the schema of the `kind` that the document states.
 fn options(node: &'static Json, place: Option<&Value>) -> Vec<&'static Json> {
     let mut options: Vec<&'static Json> = alternatives(node).into_iter().map(resolve).collect();
     if options.is_empty() {
@@ -211,7 +213,7 @@ fn put_into(place: &mut Value, steps: &[Step], value: Value) {
     }
 }
 
-/// Lists all keys with a value of their own that the scene could state.
+/// Lists the paths of all keys that the scene could state and that hold a value instead of a table.
 fn list(node: &'static Json, place: Option<&Value>, path: &str, known: &mut Vec<String>) {
     let before = known.len();
     for option in options(node, place) {
@@ -233,12 +235,12 @@ fn list(node: &'static Json, place: Option<&Value>, path: &str, known: &mut Vec<
     }
 }
 
-/// Up to three keys that may have been meant. The similarity of a key's last part counts as much as that of the whole path.
+/// Up to three known keys that may have been meant by an unknown one. The similarity of a key's last part counts as much as that of the whole path.
 fn nearest_keys(key: &str, known: Vec<String>) -> Vec<String> {
-    // A key that is less similar than the best one by more than this only distracts.
+    // Greatest difference in similarity from the most similar key: keys less similar than that would only distract.
     const SLACK: f64 = 0.4;
     let last = |path: &str| segments(path).last().map_or_else(String::new, |last| (*last).to_owned());
-    // A path that goes on below a key without parts must mean that key.
+    // If a known key has no parts, and the unknown path goes on below it, that key must have been meant.
     let has_no_parts = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']));
     let similarity = |path: &str| {
         let alike = strsim::jaro_winkler(key, path) + strsim::jaro_winkler(&last(key), &last(path)).powi(2);

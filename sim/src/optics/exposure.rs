@@ -13,7 +13,7 @@ use crate::scene::SensorModel;
 const PHOTONS_PER_LUX_SECOND_M2: f64 = 1.0 / 683.0 / (6.626_070_15e-34 * 299_792_458.0 / 555e-9);
 
 impl SensorModel {
-    /// Electrons in a pixel per cd/m² of the surface seen.
+    /// Electrons that an exposure collects in a pixel, per cd/m² of luminance of the surface seen.
     ///
     /// The illuminance on the sensor is E = (π/4)·L/N² (thin lens, far object, no vignetting), and electrons = E · pitch² · t · QE · photons per lux
     /// second and square metre.
@@ -35,29 +35,30 @@ pub struct Exposure {
     pub gain_levels_per_electron: f64,
 }
 
-/// Automatic exposure: each image is exposed by what was measured in the image before it, so that a switched lamp spoils one or two images. With a
-/// fixed exposure all images are exposed alike.
+/// Automatic exposure: each image is exposed by what was measured in the image before it, so that a switched lamp spoils one or two images. If the
+/// sensor's exposure is fixed, all images are exposed alike.
 #[derive(Clone, Debug)]
 pub struct AutoExposure {
     max_exposure_s: f64,
     /// Least and greatest gain, in levels of eight bits per electron.
     gain_range: [f64; 2],
-    /// Exposure of the next image, with its gain in levels of eight bits per electron.
+    /// Exposure time of the next image, and its gain in levels of eight bits per electron.
     next: Exposure,
     /// Black level of the sensor, in levels of eight bits.
     black_level: f64,
     levels_per_byte_level: f64,
     is_fixed: bool,
-    /// Greatest share of an image's pixels that may be brighter than [`HIGHLIGHT_LEVEL`].
+    /// Greatest share of an image's pixels that automatic exposure lets be brighter than [`HIGHLIGHT_LEVEL`].
     highlight_share: f64,
 }
 
 /// Mean grey level that automatic exposure aims at. It is below the middle of the range, as camera makers choose it, to leave room for highlights.
 const TARGET_MEAN_LEVEL: f64 = 110.0;
-/// Grey level that only the pixels given up as highlights may exceed, so that noise does not saturate.
+/// Grey level that only a given share of the pixels, the highlights, may exceed. It lies below white, so that noise does not saturate the pixels just
+/// below it.
 const HIGHLIGHT_LEVEL: f64 = 215.0;
 /// Factor by which exposure is reduced after an image that is white all over, as such an image shows only that it got too much light. With this
-/// factor the range is found within two images after any switch of lamps by up to 40 times.
+/// factor, two images suffice to find the right exposure after any switch of lamps that changes the light by up to 40 times.
 const STRONGEST_STEP_DOWN: f64 = 20.0;
 /// Greatest factor by which exposure is raised at once, as a dark image is mostly noise.
 const STRONGEST_STEP_UP: f64 = 32.0;
@@ -68,12 +69,12 @@ const FIRST_ILLUMINANCE_LUX: f64 = 300.0;
 const FIRST_ALBEDO: f64 = 0.5;
 
 impl AutoExposure {
-    /// Automatic exposure before the first image, which is exposed for office light.
+    /// Automatic exposure in its state before the first image, which is exposed for a floor in office light unless the exposure is fixed.
     pub fn new(sensor: &SensorModel) -> AutoExposure {
         let levels_per_byte_level = sensor.bits.levels_per_byte_level();
         let black_level = sensor.black_level / levels_per_byte_level;
         let max_gain = sensor.max_gain_levels_per_electron / levels_per_byte_level;
-        // With less gain the upper grey levels would not be used: at this gain a full well reaches the last level.
+        // With less gain than this, the upper grey levels would not be used: at this gain a pixel whose well is full of electrons has the last level.
         let min_gain = (255.0 - black_level) / sensor.full_well_electrons;
         let gain_range = [min_gain.min(max_gain), max_gain];
         let luminance = FIRST_ALBEDO * FIRST_ILLUMINANCE_LUX / PI;
@@ -99,7 +100,8 @@ impl AutoExposure {
         Exposure { gain_levels_per_electron, ..self.next }
     }
 
-    /// Exposure of the next image if it may not be longer than `longest_s`. A higher gain makes up for the missing light as far as it can.
+    /// Exposure of the next image if its exposure time may not be longer than `longest_s`. A higher gain makes up for the missing light, up to the
+    /// sensor's greatest gain.
     pub fn exposure_within(&self, longest_s: f64) -> Exposure {
         let wanted = self.exposure();
         if wanted.exposure_s <= longest_s {
@@ -115,14 +117,14 @@ impl AutoExposure {
         self.gain_range[usize::from(!self.is_fixed)] * self.levels_per_byte_level
     }
 
-    /// Measures the brightness of an image that was exposed by [`AutoExposure::exposure`], in order to set the next exposure. `image` holds the eight
-    /// most significant bits.
+    /// Measures the brightness of an image that was exposed as [`AutoExposure::exposure`] says, in order to set the next exposure. `image` holds the
+    /// eight most significant bits.
     pub fn meter(&mut self, image: &GrayImage) {
         self.meter_exposed(image, self.exposure());
     }
 
-    /// Measures the brightness of an image that was exposed by `exposed`, in order to set the next exposure. `image` holds the eight most significant
-    /// bits.
+    /// Measures the brightness of an image whose exposure time and gain were `exposed`, in order to set the next exposure. `image` holds the eight
+    /// most significant bits.
     pub fn meter_exposed(&mut self, image: &GrayImage, exposed: Exposure) {
         if self.is_fixed {
             return;
@@ -140,7 +142,8 @@ impl AutoExposure {
         let change = if white > 0.5 {
             1.0 / STRONGEST_STEP_DOWN
         } else if brightest >= 255.0 {
-            // The image is clipped, so its mean is only a lower bound of the light. The exposure is reduced by clearly more than the mean demands.
+            // The image is clipped, so that the light is more than its mean grey level shows. The exposure is therefore reduced to 0.6 of what the
+            // mean demands.
             (TARGET_MEAN_LEVEL / mean.max(0.1)).min(1.0) * 0.6
         } else {
             (TARGET_MEAN_LEVEL / mean.max(0.1)).min(HIGHLIGHT_LEVEL / highlight.max(0.1))
@@ -149,7 +152,8 @@ impl AutoExposure {
         self.aim_at(product * change.clamp(1.0 / STRONGEST_STEP_DOWN, STRONGEST_STEP_UP));
     }
 
-    /// Splits a product of exposure time and gain: the exposure is the longest one, and is shortened only when the gain is at its least.
+    /// Splits a wanted product of exposure time and gain: the exposure time is the longest allowed one, and is shortened only when the gain is at its
+    /// least.
     fn aim_at(&mut self, product: f64) {
         let [min_gain, max_gain] = self.gain_range;
         let gain = (product / self.max_exposure_s).clamp(min_gain, max_gain);
@@ -158,7 +162,7 @@ impl AutoExposure {
     }
 }
 
-/// Lowest grey level that at most `count` pixels of the histogram exceed.
+/// Lowest grey level of a histogram that at most `count` pixels exceed.
 fn level_exceeded_by(histogram: &[usize; 256], count: f64) -> f64 {
     let mut above = 0;
     for level in (0..256_usize).rev() {

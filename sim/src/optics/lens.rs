@@ -2,7 +2,8 @@
 
 use crate::scene::Band;
 
-/// A lens before a sensor: its projection, and what else it does to the light.
+/// A lens before a sensor: its projection, and what else it does to the light (vignetting, defocus, filter), with the times at which the rows are
+/// exposed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lens {
     /// Width and height of the image.
@@ -19,9 +20,9 @@ pub struct Lens {
     pub defocus_px: f64,
     /// Time from the start of one row's exposure to the start of the next row's.
     pub row_time_s: f64,
-    /// Band of wavelengths that passes the filter.
+    /// Band of wavelengths that passes the filter before the sensor.
     pub band: Band,
-    /// Intensity of a ring of diodes around the lens, in equivalent candela of the infrared band.
+    /// Intensity of the ring of light-emitting diodes around the lens, in equivalent candela of the infrared band; 0 without a ring.
     pub ring_candela: f64,
 }
 
@@ -51,8 +52,9 @@ impl Lens {
         self.distortion != [0.0; 5]
     }
 
-    /// Image of a point in the plane at depth 1 (Brown 1966, in OpenCV's terms):
-    /// x' = x·(1 + k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and y' likewise with p1 and p2 exchanged.
+    /// Pixel at which the lens shows a point `[x, y]` of the plane at depth 1. The distorted point (Brown 1966, in OpenCV's terms) is x' = x·(1 +
+    /// k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and y' likewise with p1 and p2 exchanged; focal lengths and principal point make it a
+    /// pixel.
     pub fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
         let r2 = x * x + y * y;
@@ -64,11 +66,11 @@ impl Lens {
         [0, 1].map(|axis| self.focal_px[axis] * bent[axis] + self.principal_point_px[axis])
     }
 
-    /// Distortion coefficients of a lens that images what a corner of the picture shows `off_px` farther out, and everything else less far out. Only
-    /// k1 changes.
+    /// Distortion coefficients of another lens, which differs from this one in k1 only. What it shows at the farthest corner of the image lies
+    /// `off_px` farther out than through this lens, and everything else less far out.
     pub fn bent_further(&self, off_px: f64) -> [f64; 5] {
-        /// Number of iterations. What the corners of the image show changes with the lens, by a share of `off_px` over the corner's distance from the
-        /// middle; each iteration reduces the error to that share.
+        /// Number of iterations for k1. Which points the corners of the image show changes with k1, by a share of `off_px` over the corner's distance
+        /// from the middle; each iteration multiplies the error by that share.
         const STEPS: usize = 6;
         let [k1, k2, p1, p2, k3] = self.distortion;
         let mut bent = self.clone();
@@ -82,7 +84,7 @@ impl Lens {
         [bent.distortion[0], k2, p1, p2, k3]
     }
 
-    /// What the corners of the image show, as points in the plane at depth 1. Corners where the distortion polynomial folds back are left out.
+    /// The points in the plane at depth 1 that the four corners of the image show. Corners where the distortion polynomial folds back are left out.
     pub fn corners(&self) -> Vec<[f64; 2]> {
         let [width, height] = self.size_px.map(f64::from);
         let corners = [[-0.5, -0.5], [width - 0.5, -0.5], [-0.5, height - 0.5], [width - 0.5, height - 0.5]];
@@ -109,7 +111,7 @@ impl Lens {
         None
     }
 
-    /// Derivative ∂pixel/∂point of the projection, row by row.
+    /// Derivative ∂pixel/∂point of the projection of a point in the plane at depth 1, row by row.
     fn slope(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
         let r2 = x * x + y * y;

@@ -30,7 +30,8 @@ pub(crate) fn forward_focal_px(camera: &ForwardCamera) -> f64 {
     f64::from(camera.width_px) / 2.0 / (camera.horizontal_view_deg.to_radians() / 2.0).tan()
 }
 
-/// A camera's pose with errors: tilted towards forward and left, then turned about the vertical, and shifted.
+/// A camera's pose with mounting errors: the nominal pose is tilted towards forward and left, then turned about the vertical, and its position is
+/// shifted.
 pub(crate) fn misplaced(pose: Isometry3<f64>, tilt_rad: [f64; 2], yaw_rad: f64, shift_m: [f64; 3]) -> Isometry3<f64> {
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
     let shift = Translation3::from(Vector3::from(shift_m));

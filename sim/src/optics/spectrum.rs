@@ -1,15 +1,15 @@
-//! Spectra of lamps: the number of photons in each band that come with a lumen.
+//! Spectra of lamps: the number of photons in the visible and in the infrared band that come with a lumen of light.
 
 use std::sync::OnceLock;
 
 use crate::scene::Spectrum;
 
-/// Photons per lumen in each band, in units of the photons of a lumen at 555 nm.
+/// Photons per lumen of a light in the visible and the infrared band, in units of the photons of a lumen at 555 nm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photons {
-    /// Photons of the visible band, 400 to 700 nm.
+    /// Photons of the visible band, 400 to 700 nm, per lumen.
     pub visible: f64,
-    /// Photons of the infrared band, 800 to 900 nm.
+    /// Photons of the infrared band, 800 to 900 nm, per lumen.
     pub infrared: f64,
 }
 
@@ -45,7 +45,8 @@ impl Photons {
     }
 }
 
-/// Relative photons Σ S·λ per lumen Σ S·V of a spectrum S, in units of light at 555 nm, for which both sums have a single wavelength and V = 1.
+/// For a spectrum S of power over wavelength: its relative photons Σ S·λ per lumen Σ S·V, where V is the eye's luminous efficiency. The unit is that
+/// ratio for light at 555 nm, for which both sums have a single wavelength and V = 1.
 fn integrated(spectrum: Spectrum) -> Photons {
     if spectrum == Spectrum::Monochrome {
         return Photons { visible: 1.0, infrared: 0.0 };
@@ -67,10 +68,11 @@ fn power(spectrum: Spectrum, nm: f64) -> f64 {
         Spectrum::Monochrome => 0.0,
         // The CIE's table ends at 830 nm; beyond, its last value is used.
         Spectrum::Daylight => between(&D65, nm, D65[D65.len() - 1]),
-        // A neutral white diode of 4000 K: a blue die of 450 nm, and a phosphor with a full width of 130 nm at half its maximum.
+        // Spectrum of a neutral white light-emitting diode of 4000 K: a blue die of 450 nm, and a phosphor with a full width of 130 nm at half its
+        // maximum.
         Spectrum::Led => 0.75 * bell(450.0, 9.0) + bell(580.0, 55.0),
-        // Lines of europium and terbium as in a lamp of three bands and 4000 K, with mercury's blue line and a weak continuum, chosen so that a lux
-        // has as many photons as Thimijan and Heins (HortScience 18, 1983) measured: 74 lx per µmol.
+        // Spectrum of a fluorescent tube: the lines of europium and terbium in a lamp of three bands and 4000 K, with mercury's blue line and a weak
+        // continuum, chosen so that a lux has as many photons as Thimijan and Heins (HortScience 18, 1983) measured: 74 lx per µmol/(m²·s).
         Spectrum::Tube => {
             0.45 * bell(436.0, 4.0)
                 + 0.35 * bell(488.0, 6.0)
@@ -79,12 +81,12 @@ fn power(spectrum: Spectrum, nm: f64) -> f64 {
                 + bell(611.0, 5.0)
                 + 0.12 * bell(600.0, 90.0)
         }
-        // Planck's law with c₂ = 1.4388e-2 m·K.
+        // Spectrum of an incandescent lamp: Planck's law at 2800 K, with c₂ = 1.4388e-2 m·K.
         Spectrum::Incandescent => 1e14 / nm.powi(5) / ((1.4388e7 / (nm * 2800.0)).exp() - 1.0),
     }
 }
 
-/// Linear interpolation in a table that starts at 380 nm; `beyond` is returned past the table's end.
+/// Linear interpolation in a table whose first entry is for 380 nm; past the table's end `beyond` is returned.
 fn between(table: &[f64], nm: f64, beyond: f64) -> f64 {
     let place = (nm - FIRST_NM) / STEP_NM;
     let index = place.floor() as usize;

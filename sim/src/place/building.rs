@@ -24,7 +24,8 @@ use crate::{
     scene::{Scene, Tiles, UNDER_CEILING_M},
 };
 
-/// Height by which a surface that lies on another one, or in its plane, is raised when drawn, so that the depth buffer tells the two apart.
+/// Height by which one of two flat surfaces in the same plane is raised when drawn, such as a covering on a floor, so that the renderer's depth
+/// buffer can tell which of them is in front.
 const LAYER_M: f64 = 0.001;
 
 /// The geometry of a building: everything in it that stands still.
@@ -34,8 +35,8 @@ pub struct Building {
     pub rooms: Vec<Enclosure>,
     /// All visible faces of the building, those of boxes such as furniture included.
     pub panels: Vec<Panel>,
-    /// Number of panels at the start of `panels` that reflections in puddles show. Door frames and window bars come after them and are left
-    /// out: in a puddle nobody misses them.
+    /// Number of flat faces, at the start of `panels`, that are seen in reflections in puddles. Those of door frames and window bars come after
+    /// them and are left out: in a puddle nobody misses them.
     pub n_large_panels: usize,
     /// Pieces of furniture, which cast shadows.
     pub boxes: Vec<UprightBox>,
@@ -64,7 +65,7 @@ impl Building {
         Building::furnished(scene, drawn, scene.furniture.iter().map(UprightBox::from).collect())
     }
 
-    /// Builds the geometry of a scene's building with the given boxes in place of the scene's furniture.
+    /// Builds the geometry of a scene's building with the given upright boxes in place of the scene's furniture.
     pub fn furnished(scene: &Scene, drawn: &DrawnPlace, boxes: Vec<UprightBox>) -> Building {
         let rooms = walls::enclosures(scene);
         let mut building = Building {
@@ -93,17 +94,17 @@ impl Building {
         building
     }
 
-    /// The panels of the building that are walls of rooms.
+    /// The flat faces (panels) of the building that are walls of rooms.
     pub fn walls(&self) -> impl Iterator<Item = &Panel> {
         self.panels.iter().filter(|panel| panel.part == Part::Wall)
     }
 
-    /// Index of the room that a place is in; 0, the robot's room, if it is in none.
+    /// Index of the room that contains the given point; 0, the robot's room, if no room does.
     pub fn room_at(&self, at: Point3<f64>) -> usize {
         self.rooms.iter().position(|room| room.contains(at)).unwrap_or(0)
     }
 
-    /// The given place moved onto the nearest wall that faces along `facing`; unchanged if no wall does.
+    /// The given point moved onto the nearest wall of a room that faces in about the direction `facing`; the unchanged point if no wall does.
     pub fn on_wall(&self, at: Point3<f64>, facing: Vector3<f64>) -> Point3<f64> {
         let sides = self.rooms.iter().flat_map(Enclosure::sides);
         let nearest = sides
@@ -131,7 +132,7 @@ fn dots(scene: &Scene, drawn: &DrawnPlace) -> Vec<RetroDot> {
     stated.chain(of_markers).collect()
 }
 
-/// The point at the given height above a place on the floor.
+/// The point at the given height above a point of the floor plan.
 fn raised([x, y]: [f64; 2], height_m: f64) -> Point3<f64> {
     Point3::new(x, y, height_m)
 }

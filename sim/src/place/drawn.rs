@@ -1,5 +1,5 @@
-//! The place as it truly is: errors of floor, walls, furniture and markers that a seed draws at random within their declared tolerances.
-//! The localizer never sees them.
+//! The building and its floor as they truly are: errors of floor, walls, furniture and markers that a seed draws at random within their declared
+//! tolerances. The localizer never sees them.
 
 use localizer::bounds::{self, Assumption};
 
@@ -19,7 +19,8 @@ pub(crate) use walls::turn_from_nearest_deg;
 
 use walls::draw_walls;
 
-/// Bounds on floor, markers, furniture and walls whose true values may be drawn or placed outside.
+/// Declared bounds on floor, markers, furniture and walls that the true values may exceed, because they may be drawn or placed outside. A run can
+/// be repeated with the values moved back to the bound.
 pub(crate) const CLIPPED: [Assumption; 8] = [
     bounds::FLOOR_TILES_LAYING,
     bounds::FLOOR_TILES_STRAIGHTNESS,
@@ -31,7 +32,7 @@ pub(crate) const CLIPPED: [Assumption; 8] = [
     bounds::WALL_DIRECTIONS_ASKEW,
 ];
 
-/// Everything about the place that is drawn at random once, before a run starts.
+/// Everything about building and floor that is drawn at random once, before a run starts.
 #[derive(Clone, Debug)]
 pub struct DrawnPlace {
     /// The floor's tiles as they were truly laid; `None` if the floor has none.
@@ -46,7 +47,7 @@ pub struct DrawnPlace {
 }
 
 impl DrawnPlace {
-    /// Draws the place of a run, each quantity from a random stream of its own.
+    /// Draws the errors of floor, walls, furniture and markers for a run, each quantity from a random stream of its own.
     pub fn draw(scene: &Scene, seed: u64) -> DrawnPlace {
         let errors = scene.robot.errors;
         DrawnPlace {
@@ -59,8 +60,8 @@ impl DrawnPlace {
 }
 
 impl Scene {
-    /// The scene with walls and furniture as they truly stand, for the physics and the cameras. The scene's keys, the map and the localizer
-    /// keep the stated ones.
+    /// A copy of the scene with walls and furniture as they truly stand, for the physics and the cameras. The scene itself, the map and the
+    /// localizer keep the stated positions.
     pub fn as_built(&self, drawn: &DrawnPlace) -> Scene {
         let mut built = self.clone();
         for (piece, turn_deg) in built.furniture.iter_mut().zip(&drawn.furniture_turn_deg) {

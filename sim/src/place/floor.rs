@@ -7,7 +7,7 @@ use crate::scene::{Event, Region, Scene};
 pub(crate) struct Ground {
     /// Friction coefficient between tyre and floor.
     pub(crate) friction: f64,
-    /// Stiffness of the carpet pile, which acts in series with the tyre's; `None` on a hard floor.
+    /// Stiffness of the carpet's pile, which combines with that of the tyre like two springs in series; `None` on a hard floor.
     pub(crate) pile_stiffness: Option<f64>,
     /// Displacement of a wheel by the carpet's nap for every metre rolled, world frame.
     pub(crate) nap: [f64; 2],
@@ -23,7 +23,7 @@ pub(crate) struct Ground {
     pub(crate) flow_dropout: f64,
 }
 
-/// The floor's regions and the changes by events that are still to come.
+/// The floor's regions, and those changes of the floor by the scene's events that are still to come.
 #[derive(Clone, Debug)]
 pub(crate) struct Floor {
     elsewhere: Ground,
@@ -37,7 +37,7 @@ struct Patchwork {
     x_m: [f64; 2],
     y_m: [f64; 2],
     ramp_m: f64,
-    /// Properties of the floor well inside the region, beyond its ramps.
+    /// Properties of the floor well inside the region, where the ramps at the region's edges have ended.
     ground: Ground,
 }
 
@@ -68,7 +68,7 @@ impl Floor {
         Floor { elsewhere, regions, changes, next_change: 0 }
     }
 
-    /// Makes every change to the floor that is due at `time_s`.
+    /// Applies every change of the floor by an event of the scene that is due at `time_s`.
     pub(crate) fn advance_to(&mut self, time_s: f64) {
         while let Some(change) = self.changes.get(self.next_change).filter(|change| change.at_s <= time_s) {
             match change.region_idx {
@@ -104,7 +104,8 @@ impl Patchwork {
         Patchwork { x_m: region.x_m, y_m: region.y_m, ramp_m: region.ramp_m, ground }
     }
 
-    /// Properties of the floor at a point inside the region. From the nearest edge the height rises evenly over the width of the ramp.
+    /// Properties of the floor at a point inside the region. Along the region's edges runs a ramp; over its width the height rises evenly with
+    /// the distance from the nearest edge.
     fn at(&self, [x_m, y_m]: [f64; 2]) -> Ground {
         let inwards = [
             (x_m - self.x_m[0], [1.0, 0.0]),
@@ -122,7 +123,8 @@ impl Patchwork {
     }
 }
 
-/// The change that an event makes to the floor; an event that names no region of the scene changes nothing.
+/// The change that an event makes to the floor's friction: in the region that it names, or outside all regions if it names none. An event that names
+/// a region which the scene does not have changes nothing.
 fn change(event: &Event, scene: &Scene) -> Option<Change> {
     let Event::Friction { at_s, region, friction } = event else { return None };
     let region_idx = match region {

@@ -27,7 +27,7 @@ use crate::{
     scene::Scene,
 };
 
-/// The lighting of a building: its lamps, what casts shadows, and the light reflected between surfaces.
+/// The lighting of a building: its lamps, the things that cast shadows, and the light reflected between surfaces.
 #[derive(Clone, Debug)]
 pub struct Lighting {
     /// Light sources of the building, none of which moves.
@@ -38,7 +38,7 @@ pub struct Lighting {
     pub bounces: Vec<Bounce>,
     /// Openings between rooms, through which light passes.
     pub openings: Vec<Opening>,
-    /// Factor on all light, chosen so that the illuminance is what the scene states.
+    /// Factor on all light, chosen so that the illuminance is that which the scene states.
     pub dimming: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct Illuminance {
 }
 
 impl Illuminance {
-    /// Adds light of a spectrum: its lux, and these times its photons in each band.
+    /// Adds `lux` of light of one spectrum: to each band, `lux` times the photons that this spectrum has in the band per lux.
     fn add(&mut self, lux: f64, photons: Photons) {
         self.lux += lux;
         self.by_band[0] += lux * photons.visible;
@@ -74,7 +74,7 @@ impl Illuminance {
 }
 
 impl Lighting {
-    /// The lighting by the scene's lamps alone, without dimming and without reflected light.
+    /// The lighting by the scene's lamps alone, without reflected light and with a factor of 1 on all light.
     pub fn direct(scene: &Scene, building: &Building) -> Lighting {
         Lighting {
             sources: source::sources(scene, building),
@@ -85,7 +85,7 @@ impl Lighting {
         }
     }
 
-    /// Direct light at a point of a surface, shadows included. Each lamp is sampled at `samples` × `samples` places.
+    /// Direct light at a point of a surface, shadows included. Each lamp is sampled at `samples` × `samples` points.
     pub fn direct_at(&self, at: Point3<f64>, normal: Vector3<f64>, samples: usize) -> Illuminance {
         let mut sum = Illuminance::default();
         for source in &self.sources {
@@ -97,13 +97,13 @@ impl Lighting {
         sum.times(self.dimming)
     }
 
-    /// Direct and reflected light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
+    /// Direct and reflected light at a point of a surface in a room. Each lamp is sampled at `samples` × `samples` points.
     pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize, samples: usize) -> Illuminance {
         let direct = self.direct_at(at, normal, samples);
         direct.plus(self.dimming, self.bounced(at, normal, room))
     }
 
-    /// Reflected light, without dimming, at a point of a surface in a room.
+    /// Light reflected onto a point of a surface in a room, before the factor on all light that yields the illuminance which the scene states.
     pub(crate) fn bounced(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize) -> Illuminance {
         Bounce::at(&self.bounces, &self.openings, room, (at, normal))
     }

@@ -1,4 +1,5 @@
-//! The place that the robot is in, made of the scene's keys and of what a seed draws of it.
+//! The place that the robot is in: what the scene's keys state of it, and the errors of floor, walls, furniture and markers that a seed draws at
+//! random.
 //!
 //! | module | what it has |
 //! |---|---|
@@ -19,7 +20,7 @@ pub mod navigation;
 /// A person at an instant, as an upright cylinder on the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bystander {
-    /// Place where the person stands, world frame.
+    /// Position where the person stands, world frame.
     pub place_m: [f64; 2],
     /// Radius of the cylinder that stands for the person.
     pub radius_m: f64,

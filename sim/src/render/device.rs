@@ -53,8 +53,8 @@ impl Graphics {
         Ok(Graphics { device, queue, info, patience: PATIENCE, reported })
     }
 
-    /// Graphics for another thread, if the driver allows any: the same device, or for a software adapter a device of its own. One instance
-    /// of a software driver draws for one thread after the other.
+    /// Access to the graphics device for another thread, or `None` if the driver does not allow several threads. It is the same device, or a
+    /// device of its own for a software adapter, because one instance of a software driver draws for one thread after the other.
     pub(super) fn for_another_thread(&self) -> Result<Option<Graphics>, RenderError> {
         match (self.info.backend, self.info.device_type) {
             // OpenGL contexts abort when several threads use them.
@@ -83,8 +83,8 @@ impl Graphics {
         reported.as_ref().map_or(Ok(()), |message| Err(RenderError::Device(message.clone())))
     }
 
-    /// Outcome of the mapping of a staging buffer. If threads share the device, the answer may arrive by another thread's poll, so that it
-    /// is waited for.
+    /// The driver's answer whether the processor may read a staging buffer (its mapping). If threads share the device, the answer may arrive
+    /// while another thread polls the device, so that it is waited for.
     pub(super) fn answer(&self, mapping: &Mapping) -> Result<(), RenderError> {
         match mapping.recv_timeout(self.patience) {
             Ok(outcome) => outcome.map_err(|error| RenderError::Device(error.to_string())),
@@ -110,7 +110,7 @@ impl Graphics {
         RenderError::Hung { waited_s: self.patience.as_secs_f64() }
     }
 
-    /// Waits until the submission is done and its mappings are answered.
+    /// Waits until the device has done the submitted work and the driver has answered the requests to read staging buffers (the mappings).
     pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
         let outcome =
             self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(self.patience) });

@@ -1,37 +1,42 @@
-//! The camera's path during exposure and readout: its poses at the ends of sub-frames, and the number of sub-frames.
+//! The camera's path during exposure and readout, which are divided into sub-frames (equal steps of time): the camera poses at the ends of the
+//! sub-frames, and their number.
 
 use nalgebra::{Isometry3, Vector2};
 
 use super::View;
 use crate::optics::Intrinsics;
 
-/// Greatest number of sub-frames, as in view.wgsl; a longer blur widens the filter of each sub-frame.
+/// Greatest number of sub-frames (equal steps of the exposure), as in view.wgsl; with a longer blur, each sub-frame averages over a longer part
+/// of it.
 pub(super) const MAX_SUB_FRAMES: usize = 32;
 
-/// Length of blur that one sub-frame takes up. The filter of a sub-frame is exact for an edge that moves straight and steadily, so that a
-/// sub-frame only has to follow the bend of the path: at 1 rad/s and 10 ms that is 0.01 px over the whole exposure.
+/// Length of motion blur, in the image, that one sub-frame (a step of the exposure) takes up. The filter of a sub-frame is exact for an edge that
+/// moves straight and steadily, so that a sub-frame only has to follow the bend of the path: at 1 rad/s and 10 ms that is 0.01 px over the whole
+/// exposure.
 const BLUR_PER_SUB_FRAME_PX: f64 = 4.0;
 
-/// Length of blur between two samples of a floor pattern, each of which is filtered over this length; finer than the pattern's grain.
+/// Length of motion blur between two samples of a floor pattern. Each sample is averaged over this length, which is finer than the pattern's
+/// grain.
 const BLUR_PER_PATTERN_SAMPLE_PX: f64 = 2.0;
-/// Greatest number of samples of a floor pattern; a longer blur leaves nothing of the pattern.
+/// Greatest number of samples of a floor pattern along the motion blur; a longer blur leaves nothing of the pattern.
 const MAX_PATTERN_SAMPLES: u32 = 32;
 
 /// The path of a camera from the start of the first row's exposure to the end of the last row's.
 pub(super) struct Path {
-    /// Camera poses at equal steps of time, one more than the exposure has sub-frames. With a global shutter they are the ends of the
-    /// sub-frames.
+    /// Camera poses at equal steps of time, one more than the exposure has sub-frames (steps into which it is divided). With a global shutter
+    /// they are the ends of the sub-frames.
     pub(super) sub_frame_ends: Vec<Isometry3<f64>>,
     /// Number of times that a floor pattern is sampled along the camera's path.
     pub(super) pattern_samples: u32,
     /// Camera pose in the middle of the middle row's exposure.
     pub(super) middle: Isometry3<f64>,
-    /// Share of the whole time for which each row is exposed; 1 with a global shutter.
+    /// Share of the time from the start of the first row's exposure to the end of the last row's for which each row is exposed; 1 with a global
+    /// shutter.
     pub(super) exposed_share: f64,
 }
 
 impl Path {
-    /// The camera path of a view, for the given projection; `None` if the view has no pose.
+    /// The camera's path for one view (a picture to take), with the projection `plate`; `None` if the view has no camera pose.
     pub(super) fn new(plate: &Intrinsics, view: &View) -> Option<Path> {
         let (world_from_camera, readout_s) = (&view.world_from_camera, view.lens.readout_s());
         let exposed_share = if readout_s > 0.0 { view.exposure_s / (view.exposure_s + readout_s) } else { 1.0 };
@@ -50,7 +55,7 @@ impl Path {
     }
 }
 
-/// Greatest length of the path that a floor point, seen at the image's corners or centre, describes on the image.
+/// Greatest length of the path that a floor point, seen at the image's corners or centre, describes on the image during exposure and readout.
 fn blur_length_px(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>]) -> f64 {
     let [width, height] = intrinsics.size_px.map(|size| f64::from(size - 1));
     let pixels = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height], [width / 2.0, height / 2.0]];
@@ -65,7 +70,7 @@ fn blur_length_px(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>])
     pixels.into_iter().map(path_px).fold(0.0, f64::max)
 }
 
-/// The pose at a share of the time between the first and the last pose.
+/// The camera pose at a share of the time between the first and the last of the given poses.
 pub(super) fn interpolate(poses: &[Isometry3<f64>], share: f64) -> Option<Isometry3<f64>> {
     let position = share * (poses.len().checked_sub(1)?) as f64;
     let index = (position as usize).min(poses.len().saturating_sub(2));

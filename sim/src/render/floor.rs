@@ -12,7 +12,7 @@ pub(super) use cut::{Floor, LAMPLIGHT_PX};
 use cut::{Cut, ViewOnDevice};
 use geometry::{BandInstance, TileInstance};
 
-/// Pipelines that draw the floor. Faces have one pipeline per pattern, so that a plain tile does not cost what marble does.
+/// Graphics pipelines that draw the floor. The faces of tiles have one pipeline per pattern, so that a plain tile does not cost what marble does.
 pub(super) struct FloorPass {
     of_global_shutter: Pipelines,
     of_rolling_shutter: Pipelines,
@@ -24,7 +24,7 @@ struct Pipelines {
     bands: wgpu::RenderPipeline,
 }
 
-/// Buffers on the device for a view of the floor.
+/// Buffers on the device for one picture (view) of the floor.
 pub(super) struct FloorSlot {
     uniform: wgpu::Buffer,
     bindings: wgpu::BindGroup,
@@ -60,7 +60,7 @@ impl FloorPass {
         FloorPass { of_global_shutter: made(false), of_rolling_shutter: made(true), view_layout }
     }
 
-    /// Makes the buffers for one view of the floor.
+    /// Makes the device buffers for one picture (view) of the floor.
     pub(super) fn slot(&self, device: &wgpu::Device) -> FloorSlot {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("floor view"),
@@ -81,7 +81,7 @@ impl FloorPass {
         }
     }
 
-    /// Draws the floor of one view onto the plate of its lens, the pinhole image that the sensor then reads through the lens.
+    /// Draws the floor of one picture (view) onto the plate of its lens, the pinhole image that the sensor then reads through the lens.
     pub(super) fn draw(
         &self,
         graphics: &Graphics,

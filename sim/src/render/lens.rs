@@ -17,7 +17,7 @@ mod map;
 
 use map::LensMap;
 
-/// Layout of what lens.wgsl reads in addition to the sensor's values.
+/// Layout of the bindings that lens.wgsl reads in addition to those with the values of the sensor.
 pub(super) struct LensLayout {
     pub(super) bindings: wgpu::BindGroupLayout,
     linear: wgpu::Sampler,
@@ -39,7 +39,7 @@ pub(super) struct LensSlot {
     /// Bindings with which lens.wgsl reads the plate, the pinhole image before the lens.
     pub(super) bindings: wgpu::BindGroup,
     sheet: wgpu::Buffer,
-    /// Factor by which the scene's lamps light the visible part of a floor.
+    /// Texture with the factor by which the scene's lamps light each part of the floor in the picture.
     lamplight: wgpu::TextureView,
 }
 
@@ -124,7 +124,7 @@ impl LensSlot {
         bind(device, layout, &self.sheet, plate, &self.lamplight)
     }
 
-    /// Projection of the plate, the pinhole image before the lens, by its focal length along u.
+    /// Projection of the plate, the pinhole image before the lens. Its focal length is that of the lens along u.
     pub(super) fn pinhole(&self) -> Intrinsics {
         let principal_point_px = self.plate_centre_px;
         Intrinsics { size_px: self.plate_size_px, focal_px: self.lens.focal_px[0], principal_point_px }

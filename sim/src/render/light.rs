@@ -1,4 +1,4 @@
-//! Illuminance over the room's floor: uneven, with a declared mean and a declared ratio of brightest to darkest place.
+//! Illuminance over the room's floor: uneven, with a declared mean and a declared ratio of brightest to darkest point.
 
 use nalgebra::{Vector2, vector};
 
@@ -17,7 +17,7 @@ pub struct FloorLight {
 }
 
 impl FloorLight {
-    /// Light whose mean over the room's floor is 1, and whose ratio of brightest to darkest place is the scene's.
+    /// Light whose mean over the room's floor is 1, and whose ratio of brightest to darkest place is that which the scene states.
     pub fn new(light: &Light, room: &Room) -> FloorLight {
         let (sin, cos) = light.unevenness_direction_deg.to_radians().sin_cos();
         // Length of the room when it is projected on the direction of the gradient.
@@ -28,7 +28,7 @@ impl FloorLight {
         FloorLight { gradient_per_m, factor_at_origin: 1.0 / mean }
     }
 
-    /// Illuminance over its mean, at a place in the world frame.
+    /// Illuminance over its mean, at a point of the floor in the world frame.
     pub fn factor_at(&self, place_m: Vector2<f64>) -> f64 {
         self.factor_at_origin * self.gradient_per_m.dot(&place_m).exp()
     }

@@ -5,8 +5,9 @@
 //!      or room pass (faces, lamps, people; then edges)
 //! ```
 //!
-//! All views of a tick are submitted to the device at once. The same world, views and adapter give the same bytes. A further camera is
-//! added as a further [`View`], a further kind of surface as a further pass onto the same plate.
+//! The plate is the image that a pinhole camera would take; the lens pass looks up in it where each pixel of the sensor takes its light from. All
+//! views of a tick are submitted to the device at once. The same world, views and adapter give the same bytes. A further camera is added as a
+//! further [`View`], a further kind of surface as a further pass onto the same plate.
 
 use image::GrayImage;
 use nalgebra::Isometry3;
@@ -49,7 +50,7 @@ pub type DeepImage = image::ImageBuffer<image::Luma<u16>, Vec<u16>>;
 /// Description of one picture to take. Camera frame: x right, y down, z forward.
 #[derive(Clone, Debug)]
 pub struct View {
-    /// The part of the world that the view shows.
+    /// The part of the world that the picture shows.
     pub shows: Shows,
     /// The lens through which the picture is taken.
     pub lens: Lens,
@@ -68,7 +69,7 @@ pub struct View {
     pub noise: NoiseKey,
 }
 
-/// The part of the world that a view shows.
+/// The part of the world that a picture (view) shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shows {
     /// The floor alone, seen from near: joints, wear, stray wires and tape, and the pattern of tiles.
@@ -102,8 +103,8 @@ impl RenderedWorld {
         self.lamps_at_floor_lux
     }
 
-    /// Sets where people are at the end of the exposure of the next pictures; during the exposure they walk there. Their shadows are
-    /// computed here, once for all views.
+    /// Sets where people are at the end of the exposure of the next pictures; during the exposure they walk there. Their shadows are computed
+    /// here, once for all pictures.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
         let Some(room) = &mut self.room else { return };
         if let Some(nodes) = room.place_bodies(&self.graphics, bodies)
@@ -156,7 +157,7 @@ pub enum RenderError {
     /// The graphics driver did not finish in time.
     #[error("draw a picture: the graphics driver did not answer within {waited_s} s")]
     Hung {
-        /// Time that was waited for the driver, in seconds.
+        /// Time for which the driver's answer was awaited, in seconds.
         waited_s: f64,
     },
 }
@@ -168,7 +169,7 @@ pub struct Renderer {
     floor_pass: FloorPass,
     room_pass: RoomPass,
     photon_pass: PhotonPass,
-    /// Targets (device memory) for the views of the present tick, followed by those for views of some earlier ticks. They are kept because
+    /// Targets (device memory) for the pictures of the present tick, followed by those for pictures of some earlier ticks. They are kept because
     /// a lens's map takes a while to compute.
     targets: Vec<Target>,
 }
@@ -212,7 +213,7 @@ impl Renderer {
         self.graphics.adapter_name()
     }
 
-    /// Prepares a world for views of its floor.
+    /// Prepares a world on the graphics device for pictures of its floor.
     ///
     /// # Errors
     /// If the driver reported an error earlier, or lost the device.
@@ -229,7 +230,8 @@ impl Renderer {
         Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, graphics: self.graphics.clone() })
     }
 
-    /// Prepares a world for all views, with its people at their starts. Its light is computed here, which takes up to a second.
+    /// Prepares a world on the graphics device for pictures of whole rooms and of the floor, with people where they start. The world's light is
+    /// computed here, which takes up to a second.
     ///
     /// # Errors
     /// If the driver reported an error earlier, or lost the device.
@@ -254,7 +256,7 @@ impl Renderer {
         Ok(world)
     }
 
-    /// Takes all pictures of a tick, in the order of `views`, with the eight most significant bits of each grey level.
+    /// Takes the pictures that `views` describe, all at once and in their order, with the eight most significant bits of each grey level.
     ///
     /// # Errors
     /// If a view has no pose or is larger than the device allows, or if the driver reports an error or does not answer.
@@ -263,7 +265,7 @@ impl Renderer {
         self.draw_together(&together)
     }
 
-    /// Takes pictures like [`Renderer::draw`], but each view is of a world of its own; all views are still submitted at once.
+    /// Takes pictures like [`Renderer::draw`], but each picture is of a world of its own; all are still submitted at once.
     ///
     /// # Errors
     /// As for [`Renderer::draw`].
@@ -316,7 +318,8 @@ impl Renderer {
             }
             self.photon_pass.draw(&self.graphics, &mut encoder, (&world.floor, view), target);
         }
-        // Grey levels are copied last, because a software driver waits at each copy for everything that was drawn before.
+        // The pictures' grey levels are copied to readable buffers last, because a software driver waits at each copy for everything that was
+        // drawn before.
         self.targets.iter().take(views.len()).for_each(|target| target.stage(&mut encoder));
         let submission = self.graphics.queue.submit([encoder.finish()]);
         let mappings: Vec<_> = self.targets.iter().take(views.len()).map(Target::map).collect();
@@ -325,7 +328,7 @@ impl Renderer {
         self.targets.iter().take(views.len()).map(Target::read).collect()
     }
 
-    /// Puts the targets (device memory) that suit the views first, in the order of the views, and makes those that are missing.
+    /// Puts the targets (device memory) that suit the pictures to take first, in the order of `views`, and makes those that are missing.
     fn prepare_targets(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<(), RenderError> {
         for (index, (_, view)) in views.iter().enumerate() {
             let spare = (index..self.targets.len()).find(|spare| self.targets[*spare].suits(view));

@@ -17,14 +17,14 @@ use super::{
 };
 use crate::scene::BitDepth;
 
-/// Texture format of the fixed pattern by which pixels differ: two bytes for each pixel.
+/// Texture format of a sensor's fixed pattern, by which its pixels differ from each other: two bytes for each pixel.
 const PATTERN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
 const PATTERN_SHADER: &str = concat!(include_str!("readout.wgsl"), include_str!("pattern.wgsl"));
 const LENS_SHADER: &str =
     concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("lens.wgsl"));
 
-/// Pipelines of the sensor model, each made when it is first needed.
+/// Graphics pipelines of the sensor model, each made when it is first needed.
 pub(super) struct PhotonPass {
     made: BTreeMap<Kind, wgpu::RenderPipeline>,
     lay_pattern: wgpu::RenderPipeline,
@@ -43,10 +43,10 @@ pub(super) struct PhotonSlot {
     laid: Option<u64>,
 }
 
-/// Properties of a view for which a sensor pipeline is made.
+/// Properties of a picture to take (view) for which a graphics pipeline of the sensor is made.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Kind {
-    /// `uneven`: whether pixels differ by a fixed pattern. `deep`: whether grey levels take two bytes.
+    /// `uneven` says whether pixels differ by a fixed pattern, `deep` whether grey levels take two bytes.
     uneven: bool,
     deep: bool,
     /// Whether a factor for the unevenness of lamplight is laid over the floor's image.
@@ -151,7 +151,7 @@ impl PhotonPass {
         PhotonSlot { uniform, readout, pattern, pattern_bindings, laid: None }
     }
 
-    /// Turns the plate of one view, luminance in a pinhole image, into grey levels.
+    /// Turns the luminance of one picture, the pinhole image on the plate, into grey levels.
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
@@ -188,7 +188,7 @@ impl PhotonPass {
     }
 }
 
-/// Runs a pipeline on every pixel of a picture, either in one go or in the cells of a lens's map.
+/// Runs a graphics pipeline on every pixel of a picture, either in one go or in the cells of a lens's map.
 fn whole_picture(
     encoder: &mut wgpu::CommandEncoder,
     picture: &wgpu::TextureView,
@@ -219,7 +219,7 @@ fn whole_picture(
     }
 }
 
-/// The values of a view's sensor for the shader.
+/// The values of the picture's sensor that the shader needs.
 fn readout(view: &View) -> ReadoutOnDevice {
     let sensor = &view.sensor;
     ReadoutOnDevice {
@@ -266,7 +266,7 @@ fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kin
     on_whole_picture(device, layouts, &module, (entry_points, Some(cells)), &constants, levels_format(kind.deep))
 }
 
-/// A pipeline that runs on every pixel of a picture, for [`whole_picture`]. `entry_points` are those of the vertex and of the fragment
+/// A graphics pipeline that runs on every pixel of a picture, for [`whole_picture`]. `entry_points` are those of the vertex and of the fragment
 /// shader; the vertex shader reads the cells, the fragment shader has the `constants`.
 fn on_whole_picture(
     device: &wgpu::Device,

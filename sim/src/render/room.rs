@@ -1,4 +1,5 @@
-//! The room pass: draws everything that a camera with a lens sees, as luminance averaged over the exposure.
+//! The room pass: draws everything that a camera with a lens sees, as luminance averaged over the exposure. A sub-frame is one of the instants by
+//! which the exposure is approximated, a strip a face hardly wider than a pixel.
 //!
 //! ```text
 //! for each sub-frame: faces, lamps, bodies ─> edges made smooth, strips, discs ─> its plate, a pinhole's image
@@ -41,10 +42,11 @@ use strips::{long_side, strips};
 /// by it and closes them; no sensor notices the difference.
 const NOTHING: wgpu::Color = wgpu::Color { r: -1e-12, g: 0.0, b: 0.0, a: 1.0 };
 
-/// Number of possible values for the end of a range of lamps, 0 included; as in surface.wgsl.
+/// Number of values that the end of a range of lamps can have, from 0 to the greatest number of lamps; as in surface.wgsl. With it the start and
+/// the end of a range are packed into one number for the shader.
 const LAMP_ENDS: u32 = MAX_LAMPS as u32 + 1;
 
-/// Pipelines and layouts of the room pass.
+/// Graphics pipelines and layouts of the room pass, which draws whole rooms.
 pub(super) struct RoomPass {
     pipelines: Pipelines,
 }
@@ -54,7 +56,7 @@ impl RoomPass {
         RoomPass { pipelines: Pipelines::new(device) }
     }
 
-    /// Puts a scene's building on the graphics device.
+    /// Makes the buffers and textures of a scene's building on the graphics device.
     pub(super) fn upload(
         &self,
         graphics: &Graphics,
@@ -64,7 +66,7 @@ impl RoomPass {
         RoomWorld::new(graphics, &self.pipelines, scene, drawn)
     }
 
-    /// Draws one view of a room onto the plate of its lens, the pinhole image that the sensor then reads through the lens.
+    /// Draws one picture of a room onto the plate of its lens, the pinhole image that the sensor then reads through the lens.
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
@@ -120,8 +122,8 @@ impl RoomPass {
         Ok(())
     }
 
-    /// Draws the mean of the images of all sub-frames of an exposure. It overwrites the image whose edges are drawn in steps, which is no
-    /// longer needed.
+    /// Draws the mean of the images of all sub-frames (instants of the exposure) onto the lens's plate. It overwrites the image with jagged edges
+    /// on the plate, which is no longer needed.
     fn draw_mean(&self, encoder: &mut wgpu::CommandEncoder, slot: &RoomSlot, plate: &wgpu::TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mean"),
@@ -177,7 +179,7 @@ impl RoomPass {
         pass.set_index_buffer(slot.chosen.slice(..), wgpu::IndexFormat::Uint32);
         for run in runs {
             pass.set_pipeline(self.pipelines.surface(how, run.kind));
-            // The instance number tells the shader which lamps may be reflected in the surface.
+            // The number of the drawn instance tells the shader which lamps may be seen reflected in the surface.
             let lamps = run.lamps.start + run.lamps.end * LAMP_ENDS;
             pass.draw_indexed(run.indices.clone(), 0, lamps..lamps + 1);
         }
@@ -234,7 +236,7 @@ impl RoomPass {
     }
 }
 
-/// Pose and twist of the camera in a sub-frame, in the form that view.wgsl reads.
+/// Pose and twist of the camera in a sub-frame (an instant of the exposure), in the form that view.wgsl reads.
 fn twist_rows(frame: &SubFrame) -> ([[f32; 4]; 3], [f32; 4], [f32; 4]) {
     let camera_from_world = frame.world_from_camera.inverse().to_homogeneous();
     let rows = std::array::from_fn(|row| std::array::from_fn(|column| camera_from_world[(row, column)] as f32));

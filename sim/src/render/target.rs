@@ -1,4 +1,4 @@
-//! Device memory of one view: luminance as drawn, and grey levels as read out.
+//! Device memory of one picture: luminance as drawn, and grey levels as read out.
 
 use std::sync::mpsc::{Receiver, channel};
 
@@ -30,13 +30,13 @@ pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
     if deep { wgpu::TextureFormat::R16Uint } else { wgpu::TextureFormat::R8Uint }
 }
 
-/// Buffers and bindings on the graphics device for one view, kept from tick to tick.
+/// Buffers and bindings on the graphics device for one picture, kept from tick to tick.
 pub(super) struct Target {
     /// Whether a grey level takes two bytes instead of one.
     pub(super) deep: bool,
     pub(super) lens: LensSlot,
     pub(super) floor: FloorSlot,
-    /// Memory for views of a room, made when a room is first drawn.
+    /// Device memory for pictures of a whole room, made when a room is first drawn.
     pub(super) room: Option<RoomSlot>,
     pub(super) photons: PhotonSlot,
     /// Texture of grey levels.
@@ -46,13 +46,13 @@ pub(super) struct Target {
 
 /// Grey levels of one picture.
 pub(super) enum Levels {
-    /// Levels of a sensor with eight bits.
+    /// Grey levels from a sensor with eight bits.
     Eight(Vec<u8>),
-    /// Levels of a sensor with more than eight bits.
+    /// Grey levels from a sensor with more than eight bits.
     Deep(Vec<u16>),
 }
 
-/// Receives whether a staging buffer could be mapped; the answer comes when the device is polled.
+/// Receives the driver's answer whether the processor may read a staging buffer (its mapping); the answer comes when the device is polled.
 pub(super) type Mapping = Receiver<Result<(), wgpu::BufferAsyncError>>;
 
 impl Target {
@@ -89,7 +89,7 @@ impl Target {
         Ok(Target { deep, lens, floor, room: None, photons, levels, staging })
     }
 
-    /// Whether this target (device memory) has the lens and the bit depth of the view, so that the view can be drawn with it.
+    /// Whether this target (device memory) is made for the lens and the bit depth of the given view, so that its picture can be drawn with it.
     pub(super) fn suits(&self, view: &View) -> bool {
         self.lens.lens == view.lens && self.deep == (view.sensor.bits != BitDepth::Eight)
     }

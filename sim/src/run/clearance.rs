@@ -1,4 +1,4 @@
-//! Distances of the true robot from what it may run into.
+//! Distances from the true robot to the things that it may run into.
 
 use crate::{place::Bystander, scene::Scene, truth::Truth};
 

@@ -16,16 +16,16 @@ pub struct Counterfactual {
     pub changes: Vec<Change>,
     /// Time of the run that ends the simulation: it stops after the first step at or after this time.
     pub until_s: Option<f64>,
-    /// Time of a drive from which on a loss ends the simulation: the run ends at the first step, at or after this time of its drive, at
-    /// which the truth is outside the estimate or an assumption is doubted.
+    /// Time of a drive from which on a loss ends the simulation: the run ends at the first step, at or after this time of its drive, at which the
+    /// true pose is outside the estimate or the localizer is recovering from a contradiction.
     pub until_lost_after_s: Option<f64>,
 }
 
 /// One change under which a run is simulated again.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The localizer is given a bound as wide as its true value. A bound on slip is widened only in the spans of time in which it was
-    /// exceeded, every other bound in the whole run. The world stays as it was.
+    /// The localizer is given a declared bound that is widened to the true value which exceeded it. A bound on slip is widened only in the spans
+    /// of time in which it was exceeded, every other bound in the whole run. The simulated world stays as it was.
     Told {
         /// Name of the widened bound.
         bound: String,
@@ -36,29 +36,30 @@ pub enum Change {
         /// Each span of time in which the bound was exceeded, and by how much.
         exceeded: Vec<([f64; 2], f64)>,
     },
-    /// Values that were drawn or placed beyond a bound are moved back to the bound, and so are directions of walls that the map states
-    /// beyond it. Everything else that the localizer is given stays.
+    /// True values that were drawn or placed beyond a declared bound are moved back to the bound. For the bound on wall directions the map is
+    /// corrected: directions that it states beyond the bound are moved back, and missing ones are added. Everything else that the localizer is
+    /// given stays.
     Clipped {
         /// Name of the bound to which the values are moved back.
         bound: String,
     },
     /// Some readings are withheld from the localizer.
     Withheld {
-        /// Each withheld reading, by the camera that took it and its stamp; no camera for a reading that is not a picture.
+        /// Each withheld reading, given by the camera that took it (none for a reading that is not a picture) and by its stamp.
         readings: Vec<(Option<Camera>, f64)>,
     },
-    /// Every bound that the localizer is given is narrower by one factor.
+    /// Every declared bound that the localizer is given is made narrower by one and the same factor.
     Weakened {
-        /// Factor on every bound, below 1.
+        /// Factor by which every bound is multiplied, below 1.
         factor: f64,
     },
 }
 
-/// A scene and its drawn values, changed as a counterfactual demands.
+/// A scene and the true values drawn for it, after the changes under which a run is simulated again (the counterfactual) have been applied.
 pub(super) struct Otherwise<'a> {
     /// Scene that is simulated.
     pub(super) world: Cow<'a, Scene>,
-    /// Scene that states what the localizer is given.
+    /// Scene that states the values which the localizer is given.
     pub(super) told: Cow<'a, Scene>,
     /// Values drawn for the seed, as they are true in the simulation.
     pub(super) drawn: Drawn,
@@ -70,7 +71,7 @@ impl Counterfactual {
         let mut otherwise = Otherwise { world: Cow::Borrowed(scene), told: Cow::Borrowed(scene), drawn: drawn.clone() };
         for change in &self.changes {
             match change {
-                // Bounds on slip are not widened here but span by span, in each drive's own time.
+                // Bounds on slip are not widened here, in the whole run, but only in single spans of time, which are counted within each drive.
                 Change::Told { bound, .. } if is_slip(bound) => {}
                 Change::Told { bound, declared, true_value, .. } => {
                     otherwise.told.to_mut().widen(bound, *declared, *true_value);
@@ -90,7 +91,8 @@ impl Counterfactual {
     /// Returns the spans in which the localizer is given more slip of the wheels than declared, in the time of a drive that began at
     /// `offset_s`. The stamps of readings may be off by `stamp_error_s`.
     pub(super) fn slips(&self, offset_s: f64, stamp_error_s: f64) -> Vec<SlipExcess> {
-        // The truth is recorded at every step only, and a window of a slip bound may begin between two steps.
+        // A margin of two steps is added because the truth is recorded at every step only, and a window over which slip is bounded may begin
+        // between two steps.
         let margin_s = stamp_error_s + 2.0 * STEP_S;
         let told = self.changes.iter().filter_map(|change| match change {
             Change::Told { bound, exceeded, .. } if is_slip(bound) => Some((bound.as_str(), exceeded)),
@@ -98,7 +100,7 @@ impl Counterfactual {
         });
         told.flat_map(|(bound, exceeded)| exceeded.iter().map(move |excess| (bound, *excess)))
             .map(|(bound, ([from_s, to_s], excess_m))| {
-                // The factor exceeds the rounding that the comparison of a bound allows, so that the widened bound holds.
+                // The factor exceeds the rounding that is allowed when a true value is compared with its bound, so that the widened bound holds.
                 let excess_m = excess_m * (1.0 + 1e-6);
                 let [slip_m, side_slip_m] =
                     if bound == bounds::WHEELS_SLIP { [excess_m, 0.0] } else { [0.0, excess_m] };

@@ -10,26 +10,26 @@ use localizer::{
     },
 };
 
-/// Interval, in pictures, at which a picture is evaluated together with the one before it. The paper's chain takes several times as long
-/// as the project's own method, so that it does not read every picture.
+/// Interval, in pictures, at which a picture is evaluated together with the one before it. Paper 2's vision chain takes several times as long as
+/// the project's own method, so that it does not read every picture.
 const EVERY: usize = 10;
 
-/// Results of paper 2's vision chain and image features on the pictures of one run.
+/// Results of paper 2's vision chain, which finds the directions of walls, and of its image features on the pictures of one run.
 #[derive(Clone, Debug, Default)]
 pub struct ForwardBaselines {
-    /// Number of pictures given to the paper's chain.
+    /// Number of pictures given to paper 2's vision chain.
     pub n_asked: usize,
-    /// Error of each heading that the paper's chain found, against the nearest wall direction and modulo a quarter turn.
+    /// Error of each heading that paper 2's vision chain found, against the nearest wall direction and modulo a quarter turn.
     pub errors_rad: Vec<f64>,
-    /// Number of features matched between two successive pictures, for each pair that was evaluated.
+    /// Number of image features matched between two successive pictures, for each pair that was evaluated.
     pub matches: Vec<usize>,
     n_pictures: usize,
     before: Option<GrayImage>,
 }
 
 impl ForwardBaselines {
-    /// Takes in a picture from the forward camera, taken at the given true heading. Returns the direction of the walls that the paper's
-    /// chain found, if the picture is one of those evaluated.
+    /// Takes in a picture from the forward camera, taken at the given true heading. Returns the direction of the walls in the robot's frame as
+    /// paper 2's vision chain found it, if the picture is one of those evaluated.
     pub(super) fn observe(
         &mut self,
         image: &GrayImage,
@@ -61,7 +61,7 @@ impl ForwardBaselines {
         let nearest_rad =
             map.wall_directions_rad.iter().map(|direction| off(direction.mid())).fold(f64::INFINITY, f64::min);
         self.errors_rad.push(nearest_rad);
-        // The robot's heading among the walls is the walls' azimuth in the robot's frame with the opposite sign.
+        // The heading of the robot relative to the walls, with the opposite sign, is the direction of the walls in the robot's frame.
         Some(-told_rad)
     }
 }

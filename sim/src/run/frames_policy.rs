@@ -2,13 +2,13 @@
 
 use std::{fmt, str::FromStr};
 
-/// For which images a run writes debug frames.
+/// For which images a run writes debug frames: pictures of what the camera gave and of what the localizer made of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FramesPolicy {
     /// Debug frames for no image.
     #[default]
     None,
-    /// Debug frames for each image after which the truth is outside the estimate, or which left the estimate empty. If a run has no such
+    /// Debug frames for each image after which the true pose is outside the estimate, or which left the estimate empty. If a run has no such
     /// image and yet misses an expectation, the debug frame of the image that left the widest box.
     Failures,
     /// Debug frames for every n-th image, the first included.
@@ -18,8 +18,8 @@ pub enum FramesPolicy {
 }
 
 impl FramesPolicy {
-    /// Whether to keep the image with this number. `failed` is true when the truth is outside the estimate after the image, or the image
-    /// left the estimate empty.
+    /// Whether to keep the image with this number. `failed` is true when the true pose is outside the estimate after the image, or the image left
+    /// the estimate empty.
     pub fn keeps(self, number: usize, failed: bool) -> bool {
         match self {
             FramesPolicy::None => false,

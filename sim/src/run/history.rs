@@ -1,4 +1,4 @@
-//! The record of a run, for the judge and for the files of the run.
+//! The record of a run, for the judge (which checks the estimates against the truth) and for the files of the run.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ use crate::{
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
-/// Record of a run, for the judge and for the files of the run. Truth and estimate stand apart, one of each for every step of 10 ms.
+/// Record of a run, for the judge and for the files of the run. True state and estimate are kept apart, one of each for every step of 10 ms.
 pub struct RunRecord {
     /// Seed of the run.
     pub seed: u64,
@@ -31,17 +31,18 @@ pub struct RunRecord {
     pub truths: Vec<Truth>,
     /// Wheel commands: for each step but the first of a drive, the command during the 10 ms before the step.
     pub commands: Vec<WheelCommand>,
-    /// Indices of the steps at which the robot was put at a station. Nothing carries over from the step before.
+    /// Indices of the steps at which the robot was put at a station, one of the poses at which the scene makes it stand still. Nothing carries
+    /// over from the step before.
     pub restarts: Vec<usize>,
     /// The estimate at each step, at the same times as `truths`.
     pub estimates: Vec<Estimate>,
     /// Whether the localizer under test answers with boxes. Otherwise its estimates are points, stored as boxes without width, of which
     /// only the error is meaningful.
     pub has_boxes: bool,
-    /// Record of each image that a method read, with its claims and the truth at the middle of its exposure.
+    /// Record of each image that a method read, with the method's claims and the robot's true state at the middle of the exposure.
     pub images: Vec<ImageRecord>,
-    /// Index in `images` of the image that left the widest box, with its reading. It shows a failed run that never lost the truth. Kept
-    /// with [`FramesPolicy::Failures`](crate::run::FramesPolicy) only.
+    /// Index in `images` of the image that left the widest box, with its reading. It illustrates a failed run in which no estimate missed the
+    /// true pose. Kept with [`FramesPolicy::Failures`](crate::run::FramesPolicy) only.
     pub widest_image: Option<(usize, Reading)>,
     /// Poses by wheel odometry alone, at the same times as `truths`.
     pub odometry: Vec<Pose>,
@@ -49,13 +50,13 @@ pub struct RunRecord {
     pub errands: Option<ErrandLog>,
     /// Distances of the robot from walls, furniture and people at each step, at the same times as `truths`; empty for a scene with a route.
     pub clearances: Vec<Clearance>,
-    /// Results of point methods and interval solvers on the readings of the range camera.
+    /// Results of point methods (which give a pose without bounds) and of interval solvers on the readings of the range camera, for comparison.
     pub range_baselines: RangeBaselines,
-    /// Results of paper 5's pipeline on the pictures of the ceiling.
+    /// Results of paper 5's localization pipeline on the pictures of the ceiling camera, for comparison.
     pub marker_baselines: MarkerBaselines,
-    /// Poses by paper 2's dead reckoning on the readings of the run.
+    /// Poses by paper 2's dead reckoning on the readings of the run, for comparison.
     pub motion_baselines: MotionBaselines,
-    /// The declared bounds that readings were checked against, and where these bounds were exceeded.
+    /// The declared bounds that were compared with true values at every reading, and where these bounds were exceeded.
     pub bounds: CheckedBounds,
     /// Results of paper 2's vision chain and image features on the pictures of the forward camera.
     pub forward_baselines: ForwardBaselines,
@@ -65,7 +66,7 @@ pub struct RunRecord {
     pub readings_digest: String,
 }
 
-/// Record of one image: its claims, and what they did to the estimate.
+/// Record of one image: the claims that a method made about what it shows, and what they did to the estimate.
 pub struct ImageRecord {
     /// Number of the image since the start of the run.
     pub number: usize,
@@ -73,31 +74,31 @@ pub struct ImageRecord {
     pub measured_s: f64,
     /// Time at which the localizer received the image.
     pub arrived_s: f64,
-    /// Truth at the true middle of the exposure.
+    /// True state of the robot at the true middle of the exposure.
     pub truth: Truth,
     /// Camera that took the image; none for a reading of a range camera.
     pub camera: Option<Camera>,
     /// Name of the method that read the image.
     pub method: &'static str,
-    /// Claims that the method made; none when the image did not show what the method looks for.
+    /// Claims that the method made about what the image shows; none when the image did not show what the method looks for.
     pub claims: Vec<Claim>,
-    /// How many of the claims may be false.
+    /// How many of the method's claims about the image may be false.
     pub quota: Quota,
     /// Line segments that the method looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
     /// Heading that this image gives on its own, without the images before it.
     pub alone_heading_rad: Option<Interval>,
-    /// Whether the method made a constraint of the image.
+    /// Whether the method made a constraint on the robot's pose from the image.
     pub constrained: bool,
     /// Whether the constraint left the union of boxes empty.
     pub emptied: bool,
-    /// Hull of the boxes at the image's stamp without the image.
+    /// Smallest box around the estimate's boxes at the image's stamp, before the image was used.
     pub prior: PoseBox,
     /// Union of boxes at the image's stamp, just after the constraint.
     pub posterior: PoseUnion,
-    /// Landmarks as the method knew them after the image: code, and box of world x and y.
+    /// Landmarks as the method knew them after the image: the landmark's code, and the box of world x and y in which it stands.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
-    /// Codes that the sensor reported, and whether each is its landmark's true code.
+    /// Codes of landmarks that the sensor reported, and for each whether it is the true code of the landmark seen.
     pub codes: Vec<(LandmarkId, bool)>,
     /// The reading itself, kept when the user wants debug frames.
     pub reading: Option<Reading>,
@@ -118,17 +119,17 @@ pub struct Timing {
     pub vision_s: f64,
 }
 
-/// The declared bounds that readings were checked against.
+/// The declared bounds that were compared with true values at every reading.
 #[derive(Clone, Debug, Default)]
 pub struct CheckedBounds {
-    /// The greatest true value behind each bound.
+    /// For each declared bound, the greatest true value that was found of what it limits.
     pub greatest: BTreeMap<Assumption, f64>,
     /// Each occasion on which a bound was exceeded, in the order in which the readings arrived.
     pub exceeded: Vec<BoundCheck>,
 }
 
 impl CheckedBounds {
-    /// Adds the checks of one reading, true values against declared bounds. The reading is of a drive that began at `offset_s`.
+    /// Adds the checks of one reading: true values compared with declared bounds. The reading is of a drive that began at `offset_s`.
     pub(super) fn note(&mut self, checks: &[BoundCheck], offset_s: f64) {
         for check in checks {
             let greatest = self.greatest.entry(check.bound).or_insert(check.true_value);
@@ -150,7 +151,7 @@ impl RunRecord {
         (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
     }
 
-    /// Whether, at the last recorded step, the truth is outside the estimate or an assumption is doubted.
+    /// Whether, at the last recorded step, the true pose is outside the estimate or the localizer is recovering from a contradiction.
     pub fn lost_at_last_step(&self) -> bool {
         let last = self.truths.last().zip(self.estimates.last());
         last.is_some_and(|(truth, estimate)| {
@@ -194,7 +195,7 @@ impl RunRecord {
     }
 }
 
-/// Returns the width of a union's hull along x or y, whichever is greater.
+/// Returns the width along x or y, whichever is greater, of the smallest box around a union of boxes.
 fn widest_m(union: &PoseUnion) -> f64 {
     let hull = union.hull();
     hull.width(0).max(hull.width(1))

@@ -13,7 +13,7 @@ use localizer::{
 /// Results of the pipeline of paper 5 on the ceiling pictures of one run.
 #[derive(Clone, Debug, Default)]
 pub struct MarkerBaselines {
-    /// Answers of the pipeline, one for each picture, in the order of the pictures.
+    /// Answers of paper 5's pipeline, one for each picture, in the order of the pictures.
     pub answers: Vec<PaperAnswer>,
     /// Wall-clock time that the paper's pipeline took.
     pub spent_s: f64,

@@ -38,21 +38,21 @@ pub use witness::Witness;
 use counterfactual::Otherwise;
 use recorder::Recorder;
 
-/// Time between two steps of the loop. Each step has one estimate, one command and one check against the truth.
+/// Time between two steps of the simulation loop. Each step has one estimate, one command and one check against the true pose.
 const STEP_S: f64 = 0.01;
 /// Number of physics steps in one step of 10 ms of the simulation loop.
 const PHYSICS_STEPS: usize = 10;
 
-/// Options of a run: what its record keeps besides its figures.
+/// Options of a run: what its record keeps in addition to the results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
-    /// Which images stay in the record, so that debug frames can be drawn from them.
+    /// Which images the record keeps, so that debug frames can be drawn from them.
     pub keep_images: FramesPolicy,
 }
 
-/// Runs a scene with one seed: its route, or its stations one after another. `subject`, the localizer under test, is given all readings.
-/// Where the scene drives by estimates, the driver steers by the estimates of `subject`. `progress` is called now and then with the
-/// simulated time.
+/// Runs a scene with one seed: its route, or its stations (stated poses at which the robot stands still) one after another. `subject`, the
+/// localizer under test, is given all readings. Where the scene drives by estimates, the driver steers by the estimates of `subject`. `progress`
+/// is called now and then with the simulated time.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run(
@@ -66,7 +66,7 @@ pub fn run(
     run_witnessed(scene, seed, subject, renderer, options, &mut (), progress)
 }
 
-/// Runs a scene like [`run`], and reports each event of the run to `witness`.
+/// Runs a scene like [`run`], and reports each event of the run to the observer `witness`.
 pub fn run_witnessed(
     scene: &Scene,
     seed: u64,
@@ -82,8 +82,9 @@ pub fn run_witnessed(
     as_it_is.run(subject, renderer, options, witness, progress)
 }
 
-/// Simulates a recorded run again by its recorded commands, with the changes of a counterfactual. The repetition keeps no images and
-/// computes no baselines. `subject_of` makes a new localizer from the values that the changed scene gives it.
+/// Simulates a recorded run again by its recorded commands, with the changes that the counterfactual asks for, to the true values or to what the
+/// localizer is given. The repetition keeps no images and computes no baselines. `subject_of` makes a new localizer from the values that the
+/// changed scene gives it.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run_otherwise(
@@ -109,7 +110,7 @@ struct Simulation<'a> {
     commands: Option<&'a [WheelCommand]>,
 }
 
-/// One uninterrupted drive: the scene's route or errands, or one of its stations.
+/// One uninterrupted drive: the scene's route or errands, or one of its stations (stated poses at which the robot stands still).
 struct Drive<'a> {
     scene: &'a Scene,
     seed: u64,
@@ -141,7 +142,8 @@ impl Simulation<'_> {
         }
         for (index, station) in scene.stations.iter().enumerate() {
             let here = scene.at_station(station);
-            // The robot and the floor are the same at every station. The robot's place in the station's start box and the noise are drawn anew.
+            // The true robot and floor are the same at every station, the stated poses at which the robot stands still. The robot's true pose
+            // within the station's start box and the noise are drawn anew.
             let noise_seed = self.seed.wrapping_add((index as u64 + 1) << 32);
             let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
             record.restart(index, here.duration_s, &here);
@@ -217,12 +219,12 @@ impl Simulation<'_> {
         Some(pilot.command(&believed, fan.as_ref(), time_s))
     }
 
-    /// Returns the spans of time of a drive in which the localizer is given wider bounds on slip.
+    /// Returns the spans of time of a drive in which the localizer is given wider bounds on wheel slip.
     fn slips(&self, offset_s: f64) -> Vec<SlipExcess> {
         self.asked.slips(offset_s, self.otherwise.told.robot.delivery.stamp_tolerance_s)
     }
 
-    /// Whether the simulation ends before this step, because the counterfactual needs no more of the run.
+    /// Whether the simulation ends before this step, because it has reached the time or the loss up to which the run was to be simulated again.
     fn has_ended(&self, record: &Recorder<'_>, time_s: f64) -> bool {
         // Half a step is added for rounding, as times are sums of decimal numbers that are not exact in binary.
         self.asked.until_s.is_some_and(|until_s| record.offset_s + time_s > until_s + 0.5 * STEP_S)

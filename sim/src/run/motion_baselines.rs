@@ -16,10 +16,10 @@ const SLIP_DECISION: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 
 /// flow sensor nor is led along its route.
 #[derive(Clone, Debug, Default)]
 pub struct MotionBaselines {
-    /// Name and state of each dead reckoning.
+    /// Name and state of each method of dead reckoning.
     running: Vec<(&'static str, DeadReckoning)>,
-    /// The paper's system with corrections by wall directions, where the scene uses that method, and the index in `running` of the dead
-    /// reckoning that it corrects.
+    /// Paper 2's whole system, which corrects a dead reckoning by wall directions: the index in `running` of that dead reckoning, and the
+    /// system's state. `None` where the scene does not use wall directions.
     corrected: Option<(usize, CorrectedReckoning)>,
     /// Name and poses of each dead reckoning, in the order of `running`, then those of the corrected one.
     pub poses: Vec<(&'static str, Vec<Pose>)>,
@@ -48,7 +48,7 @@ impl MotionBaselines {
         MotionBaselines { poses: names.map(|name| (name, Vec::new())).collect(), running, corrected }
     }
 
-    /// Takes in the direction of walls that the paper's vision chain found.
+    /// Takes in the direction of the walls that paper 2's vision chain found.
     pub(super) fn see(&mut self, measured_s: f64, seen_rad: f64) {
         if let Some((_, corrected)) = &mut self.corrected {
             corrected.see(measured_s, seen_rad);

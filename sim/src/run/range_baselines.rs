@@ -1,4 +1,5 @@
-//! Baselines for the method `range_landmarks`: point methods on the same readings, and the same pose problems given to every interval solver.
+//! Baselines for the method `range_landmarks`: point methods (which give a pose without bounds) on the same readings, and the same pose problems
+//! given to every interval solver.
 
 use std::{collections::BTreeMap, time::Instant};
 
@@ -15,17 +16,17 @@ use localizer::{
     robot::{RangeCameraModel, WheelModel},
 };
 
-/// Interval, in readings of a drive, at which a pose problem is given to the solvers. With more problems, set inversion would take most
-/// of a drive's computing time.
+/// Interval, in readings of a drive, at which the problem of finding the pose from one reading is given to the interval solvers. With more
+/// problems, set inversion would take most of a drive's computing time.
 const EVERY: usize = 10;
 
-/// Half width that a solver's prior has beyond the localizer's box, along x and y. It is about as wide as after a kidnapping to a corner
-/// of the next room.
+/// Distance by which the prior box that a solver is given extends beyond the localizer's box on each side, along x and y. The solver's box is
+/// then about as wide as after a kidnapping to a corner of the next room.
 const PRIOR_M: f64 = 0.5;
-/// Half width that a solver's prior has beyond the localizer's box in heading. See `PRIOR_M`.
+/// Angle by which the prior box that a solver is given extends beyond the localizer's box on each side, in heading. See `PRIOR_M`.
 const PRIOR_RAD: f64 = 0.5;
 
-/// Results of point methods and interval solvers on the range readings of one run.
+/// Results of point methods (which give a pose without bounds) and of interval solvers on the range readings of one run.
 #[derive(Clone, Debug, Default)]
 pub struct RangeBaselines {
     /// Pose by least squares with known correspondences, at each step; empty when nothing was measured.
@@ -36,7 +37,7 @@ pub struct RangeBaselines {
     pub ransac: Vec<Pose>,
     /// Pose by iterative closest point with a predicted pose and a gate on the matches, at each step.
     pub gated_icp: Vec<Pose>,
-    /// Answers of each solver, by its name, and of the paper's Table IV as printed.
+    /// Answers of each interval solver, by its name, and those of the formulas in the paper's Table IV as printed.
     pub solvers: BTreeMap<&'static str, Answers>,
     n_readings: usize,
     with_codes: PointMap,
@@ -46,14 +47,14 @@ pub struct RangeBaselines {
     boxes: BTreeMap<LandmarkId, [Interval; 2]>,
 }
 
-/// Answers of one interval solver to the problems of a run.
+/// Answers of one interval solver to the pose problems of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
-    /// Number of problems given to the solver.
+    /// Number of pose problems given to the interval solver.
     pub problems: usize,
     /// Number of answers that hold the true pose in one of their boxes.
     pub contained: usize,
-    /// Hulls of the solver's answers; empty answers are left out.
+    /// Smallest boxes around each of the solver's answers; empty answers are left out.
     pub hulls: Vec<PoseBox>,
     /// Wall-clock time that the solver took.
     pub spent_s: f64,
@@ -75,9 +76,9 @@ struct Tracked<M> {
     fixed: Option<(WeightedPose, Pose)>,
 }
 
-/// What point methods are given besides the reading: the same values as the localizer.
+/// What point methods (which give a pose without bounds) are given besides the reading: the same values as the localizer.
 pub(super) struct Told<'a> {
-    /// Declared start of the drive: `start` is the middle of the start box, `start_box` the box itself.
+    /// Where the drive starts, as the localizer is given it: `start_box` is the box of possible poses, `start` the middle of that box.
     pub(super) start: Pose,
     pub(super) start_box: &'a PoseBox,
     pub(super) camera: &'a RangeCameraModel,
@@ -85,8 +86,8 @@ pub(super) struct Told<'a> {
 }
 
 impl RangeBaselines {
-    /// Gives a reading to all point methods, and now and then to the solvers. `odometry` is the pose by odometry at the reading's stamp,
-    /// `truth` the true pose.
+    /// Gives a reading to all point methods (which give a pose without bounds), and now and then to the interval solvers. `odometry` is the pose
+    /// by odometry at the reading's stamp, `truth` the true pose.
     pub(super) fn observe(&mut self, account: &Account, told: &Told<'_>, odometry: Pose, truth: Pose, every_one: bool) {
         let start = told.start;
         let seen: Vec<(LandmarkId, [Interval; 2])> = account
@@ -130,7 +131,7 @@ impl RangeBaselines {
         self.gated.fixed = None;
     }
 
-    /// Adds the pose of each point method at a step.
+    /// Adds the pose that each point method gives at a step.
     pub(super) fn step(&mut self, odometry: Pose) {
         if self.n_readings > 0 {
             self.svd.push(self.with_codes.pose(odometry));
@@ -185,7 +186,8 @@ impl PointMap {
             seen.iter().map(|(code, b)| (*code, [b[0].mid(), b[1].mid()])).collect();
         let guess = if self.fixed.is_some() { self.pose(odometry) } else { start };
         let pose = match solved(&self.places, &points, guess) {
-            // Headings are on the real line, so that the solution is shifted by whole turns to the one nearest to odometry.
+            // Headings by odometry are not wrapped to one turn, so that the solution's heading is shifted by whole turns to the one nearest to
+            // odometry's.
             Some(pose) => Pose { heading_rad: unwrapped(pose.heading_rad, odometry.heading_rad), ..pose },
             None => guess,
         };
@@ -195,7 +197,8 @@ impl PointMap {
         self.fixed = Some([pose, odometry]);
     }
 
-    /// Returns the robot's pose in the map: the pose at the last reading, carried on to the time when odometry gives `odometry`.
+    /// Returns the robot's pose in the map: the pose at the last reading, carried on by the motion that odometry has measured since. `odometry`
+    /// is the present pose by odometry.
     fn pose(&self, odometry: Pose) -> Pose {
         self.fixed.map_or(odometry, |[pose, then]| carried(pose, then, odometry))
     }
@@ -211,7 +214,8 @@ impl<M> Tracked<M> {
         self.fixed = Some((solved(&mut self.map, predicted), odometry));
     }
 
-    /// Returns the robot's pose in the map: the pose at the last reading, carried on to the time when odometry gives `odometry`.
+    /// Returns the robot's pose in the map: the pose at the last reading, carried on by the motion that odometry has measured since. `odometry`
+    /// is the present pose by odometry.
     fn pose(&self, odometry: Pose) -> Pose {
         self.fixed.as_ref().map_or(odometry, |(fixed, then)| carried(fixed.pose, *then, odometry))
     }

@@ -24,11 +24,11 @@ pub(super) struct Recorder<'a> {
     robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
-    /// Whether baselines are computed on the readings, too.
+    /// Whether the methods to compare with (baselines) are computed on the readings, too.
     pub(super) asks_baselines: bool,
     /// Time of the run at which the present drive began.
     pub(super) offset_s: f64,
-    /// Start of the present drive as the localizer is given it: `start` is the middle of the start box, `start_box` the box itself.
+    /// Start of the present drive as the localizer is given it: `start_box` is the box of possible poses, `start` the middle of that box.
     start: Pose,
     start_box: PoseBox,
     pub(super) witness: &'a mut dyn Witness,
@@ -63,7 +63,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Begins the drive at the station of this index, after the drives at the stations before it.
+    /// Begins the drive at the station (stated pose) of this index, after the drives at the stations before it.
     pub(super) fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
         self.offset_s = index as f64 * (lasts_s + STEP_S);
         self.start = here.nominal_start();
@@ -139,7 +139,8 @@ impl<'a> Recorder<'a> {
         }
         for account in accounts {
             if let (Reading::Range { .. }, Some(camera), true) = (&reading, &self.robot.range_camera, asks) {
-                // While the step of the reading's stamp is not recorded yet, the odometry of the last recorded step stands in for it.
+                // The reading is compared with odometry at its stamp. While the step at that time is not recorded yet, the odometry of the last
+                // recorded step stands in for it.
                 let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
                 let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
                 let told = Told { start: self.start, start_box: &self.start_box, camera, wheels: &self.robot.wheels };
@@ -176,7 +177,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Records truth and estimate of a step, apart from each other.
+    /// Records the true state and the estimate of a step, apart from each other.
     pub(super) fn step(&mut self, truth: &Truth, subject: &dyn Subject) {
         let answer = subject.estimate_at(truth.time_s);
         self.history.has_boxes &= matches!(answer, Answer::Boxes(_));

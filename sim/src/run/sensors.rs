@@ -28,7 +28,7 @@ const TURNING_RAD_PER_S: f64 = 0.1;
 
 /// All sensors of the robot.
 pub struct Sensors {
-    /// The sensors other than wheels and cameras; readings of those on the base are sent before those of the wheels.
+    /// The sensors other than wheels and cameras. Readings of those that belong to the robot's base are sent before those of the wheels.
     fitted: Vec<FittedSensor>,
     wheels: WheelSensor,
     cameras: Vec<CameraSensor>,
@@ -40,7 +40,7 @@ pub struct Sensors {
     on_the_way: Vec<Observation>,
 }
 
-/// The world that the cameras see, and the renderer that draws it.
+/// The simulated world that the cameras see, as prepared for drawing, and the renderer that draws it.
 pub struct Stage<'a> {
     renderer: &'a mut Renderer,
     world: RenderedWorld,
@@ -67,7 +67,8 @@ impl<'a> Stage<'a> {
 }
 
 impl Sensors {
-    /// The sensors of a drive. Cameras are included only with a stage, the rendered world of which they take pictures.
+    /// The sensors of a drive. Cameras are included only if there is a stage, which is the prepared world that they take pictures of with its
+    /// renderer.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, stage: Option<&Stage<'_>>) -> Self {
         let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
         let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
@@ -94,8 +95,8 @@ impl Sensors {
             let to = if sensor.is_on_base { &mut sent } else { &mut measured };
             to.extend(sensor.observe(truth, people));
         }
-        // The gyroscope's readings come before those of the wheels, so that a turn up to the same instant is known when the distance rolled
-        // is given.
+        // The gyroscope's readings are sent before those of the wheels, so that the localizer knows the turn up to an instant when it is given
+        // the distance rolled up to that instant.
         for observation in &sent {
             if let Reading::Gyro { rate_rad_per_s, .. } = &observation.reading {
                 self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
@@ -115,7 +116,7 @@ impl Sensors {
         Ok(arrived)
     }
 
-    /// A reading of the proximity sensor when one is due: what the driver may know besides the estimate.
+    /// A reading (fan of beams) of the proximity sensor, if one is due. Besides the estimate, it is all that the driver may know.
     pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
         self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
     }

@@ -6,14 +6,14 @@ use crate::truth::Truth;
 
 /// An observer that is told of a run's events in their order. Nothing that an observer does reaches the run.
 pub trait Witness {
-    /// The localizer starts, at the scene's start or at a station. From this call on `offset_s` is added to the times of steps, but not
-    /// to the times of readings.
+    /// The localizer starts, at the scene's start or at a station (a stated pose at which the robot stands still). From this call on the times of
+    /// steps include `offset_s`, but those of readings do not.
     fn start(&mut self, offset_s: f64, station: Option<usize>);
-    /// A reading is about to reach the localizer.
+    /// A sensor's reading is about to reach the localizer.
     fn sense(&mut self, reading: &Reading);
-    /// The methods of the localizer have read `reading`; `accounts` is what they made of it.
+    /// The methods of the localizer have read `reading`; `accounts` are their reports of what they found in it and what it did to the estimate.
     fn account(&mut self, reading: &Reading, accounts: &[Account]);
-    /// A step of 10 ms has ended. The offset of the present drive is added to the times of `truth` and `estimate`.
+    /// A step of 10 ms has ended. The times in `truth` and `estimate` are those of the whole run: they include the offset of the present drive.
     fn step(&mut self, truth: &Truth, estimate: &Estimate, odometry: Pose);
 }
 

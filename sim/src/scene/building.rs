@@ -22,15 +22,15 @@ pub struct Building {
     /// Albedo of the skirting boards.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub skirting_albedo: f64,
-    /// Greatest angle by which each piece of furniture stands turned against its `rotation_deg`, drawn at random for each seed. The map of errands
-    /// shows the stated angle.
+    /// Greatest angle by which each piece of furniture stands turned against its `rotation_deg`, drawn at random for each seed. The map on which the
+    /// robot plans its paths shows the stated angle.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub furniture_tolerance_deg: f64,
-    /// Angle by which all walls stand turned about the middle of `[room]`, drawn at random for a seed. It is not a key of the scene, as the map and
-    /// the localizer must not know it.
+    /// Angle by which all walls stand turned about the middle of the robot's room, drawn at random for a seed. It is not a key of the scene, as
+    /// neither the map nor the localizer may know it.
     #[serde(skip)]
     pub(crate) turned_rad: f64,
-    /// Rooms besides `[room]`. Where two rooms overlap there is no wall.
+    /// Rooms besides the robot's own, which is stated as `[room]`. Where two rooms overlap there is no wall.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
     /// Doors in walls.
@@ -52,15 +52,15 @@ pub struct FurtherRoom {
     pub x_m: f64,
     /// World y of the further room's corner at `x_m`.
     pub y_m: f64,
-    /// Direction of the further room's first side from its corner at `x_m` and `y_m`, measured from world x. The second side is to the left of the
-    /// first.
+    /// Direction, measured from world x, of the further room's side that begins at its corner at `x_m` and `y_m` and is `width_m` long. The side of
+    /// length `depth_m` begins at the same corner, at a right angle to the left.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub heading_deg: f64,
-    /// Length of the further room's first side.
+    /// Length of the further room's side along `heading_deg`.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub width_m: f64,
-    /// Length of the further room's second side.
+    /// Length of the further room's side at a right angle to `heading_deg`.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub depth_m: f64,
 }
@@ -69,9 +69,9 @@ pub struct FurtherRoom {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Door {
-    /// World place of one jamb of the door.
+    /// World x and y of one jamb of the door.
     pub from_m: [f64; 2],
-    /// World place of the other jamb of the door.
+    /// World x and y of the other jamb of the door.
     pub to_m: [f64; 2],
     /// Height of the door's upper edge.
     #[serde(default = "default_door_height_m")]
@@ -86,13 +86,13 @@ pub struct Door {
     pub albedo: f64,
 }
 
-/// A framed picture on a wall. The places of its left and right sides are given at the foot of the wall.
+/// A framed picture on a wall. Its left and right sides are stated by the points below them at the foot of the wall.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Picture {
-    /// World place on the floor below one side of the picture.
+    /// World x and y of the point of the floor below one side of the picture.
     pub from_m: [f64; 2],
-    /// World place on the floor below the other side of the picture.
+    /// World x and y of the point of the floor below the other side of the picture.
     pub to_m: [f64; 2],
     /// Height of the picture's lower edge above the floor.
     #[serde(default = "default_picture_bottom_m")]

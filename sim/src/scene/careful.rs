@@ -1,5 +1,5 @@
-//! Bounds that a careful user can know of every device from a data sheet, a standard and an afternoon of measuring. The source of each value is given
-//! in the book, on the page `docs/src/where_bounds_come_from.md`.
+//! Bounds on the errors of every device, as a careful user can know them from a data sheet, a standard and an afternoon of measuring. The source of
+//! each value is given in the book, on the page `docs/src/where_bounds_come_from.md`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -11,16 +11,18 @@ use super::{
     robot_preset::lay_over,
 };
 
-/// Source of the tolerances and bounds that the scene itself does not state.
+/// Where those tolerances and bounds come from that the scene itself does not state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BoundsFrom {
-    /// Default of each key, which suits instruments of a laboratory and physics tuned on a flat floor.
+    /// Each tolerance and bound that the scene does not state has its default. The defaults suit instruments of a laboratory and physics tuned on a
+    /// flat floor.
     #[default]
     Laboratory,
-    /// Bounds that a careful user can know of the scene's devices and place. Values that the scene states itself are kept.
+    /// Bounds that a careful user of such a robot and place can know from data sheets, standards and an afternoon of measuring. Values that the scene
+    /// states itself are kept.
     CarefulUser,
-    /// Bounds that a careful user can know, as with `careful_user`. Narrower values that the scene states are widened to them.
+    /// The same bounds as with `careful_user`, but values that the scene states are widened to these bounds where they are narrower.
     CarefulUserThroughout,
 }
 
@@ -44,7 +46,8 @@ impl<'de> Deserialize<'de> for Scene {
                 keys
             }
         };
-        // `Scene::deserialize` is the function that serde derives, not the trait's function of the same name around this line.
+        // `Scene::deserialize` is here the function that serde derives for the type itself, not the trait's function of the same name, in which this
+        // line stands.
         Scene::deserialize(keys).map_err(D::Error::custom)
     }
 }
@@ -55,8 +58,8 @@ impl Serialize for Scene {
     }
 }
 
-/// Keys with a careful user's bounds for everything that the scene has. A device stated as `true` becomes a table without keys, over which the
-/// careful keys can be laid.
+/// Keys of a scene, with the bounds that a careful user can know for everything that the scene `stated` has. Where `stated` has `true` for a device,
+/// an empty table replaces it, over which the keys of the device can be laid.
 fn careful(stated: &mut Map<String, Value>) -> Value {
     let preset = stated.get("robot").and_then(|robot| robot.get("preset")).cloned().unwrap_or_default();
     // A preset that the schema does not know is refused later, together with the robot's other keys.
@@ -96,7 +99,8 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
     keys
 }
 
-/// Tilt, heave and slip on a floor with lippage, that is, with the steps at joints that standards allow under wheels and casters.
+/// A careful user's bounds on tilt, heave and slip of the robot on a floor with lippage, that is, with the steps between neighbouring tiles that
+/// standards allow, under wheels and casters.
 fn posture(preset: RobotPreset) -> Value {
     let body_tilt_deg = match preset {
         RobotPreset::P3dx => 0.35,
@@ -124,8 +128,8 @@ fn leave_out_what_is_stated_in_part(keys: &mut Value, stated: &Map<String, Value
     }
 }
 
-/// Removes both careful bounds on furniture if the scene states one of them: the greatest random turn of furniture and its declared bound mean
-/// something only together.
+/// Removes two bounds on furniture from the careful user's `keys` if the scene states one of them: the greatest angle by which furniture is turned at
+/// random, and the bound that is declared on this angle. They mean something only together.
 fn leave_out_furniture_if_stated(keys: &mut Value, stated: &Map<String, Value>) {
     const TOGETHER: [[&str; 2]; 2] =
         [["/building", "furniture_tolerance_deg"], ["/localizer/wall_directions", "askew_deg"]];
@@ -138,8 +142,8 @@ fn leave_out_furniture_if_stated(keys: &mut Value, stated: &Map<String, Value>) 
     }
 }
 
-/// Widens the bounds in `keys`: numbers are raised to at least those in `least`, and keys that are missing are added. For every careful key the
-/// greater number is the wider bound.
+/// Widens the bounds in `keys` to those in `least`: smaller numbers are raised, missing keys are added, and values that are no numbers are replaced.
+/// For every key in `least` the greater number is the wider bound.
 fn widen(keys: &mut Value, least: Value) {
     match (keys, least) {
         (Value::Object(keys), Value::Object(least)) => {

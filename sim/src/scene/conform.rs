@@ -21,7 +21,7 @@ pub(crate) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Pro
     walk.problems
 }
 
-/// The candidate most similar to `name`, if one is similar enough to have been meant.
+/// The one of `candidates` that is most similar to `name`, if one is similar enough to have been meant.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
@@ -31,7 +31,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
         .map(|(_, candidate)| candidate)
 }
 
-/// First line of a piece of a scene's text, cut to a length that suits a message.
+/// First line of a piece of a scene file's text, cut to a length that suits an error message.
 pub(crate) fn excerpt(text: &str) -> String {
     const LONGEST: usize = 60;
     let line = text.lines().next().unwrap_or_default().trim();
@@ -115,7 +115,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The schema of a table with several kinds, selected by the table's key `kind`; `node` itself if the table has only one kind.
+    /// The schema that holds for `table` where tables of several kinds are allowed: that of the kind which the table's key `kind` states. It is
+    /// `node` itself if only one kind is allowed, and `None` if the kind is missing or unknown, which is reported.
     fn variant(
         &mut self,
         table: &DeTable<'_>,
@@ -189,12 +190,12 @@ impl Walk<'_> {
     }
 }
 
-/// Dotted path of a key in a table.
+/// Dotted path of a key, given the path of the table in which the key stands.
 fn join(table: &str, key: &str) -> String {
     if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }
 
-/// What to underline when a table lacks a key: the table's header, or nothing when the file as a whole lacks the key.
+/// Range of bytes to underline in the message about a missing key: the header of the table that lacks it, or nothing at the top level of the file.
 fn header(span: &Range<usize>, key: &str) -> Range<usize> {
     if key.is_empty() { 0..0 } else { span.clone() }
 }

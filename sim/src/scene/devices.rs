@@ -30,19 +30,19 @@ pub use gyro::Gyro;
 pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
 
-/// Passes every kind of device to a macro: its description, the key of its table under `[robot]`, and the type of that table. Devices that the board
-/// of the base reads are read in the order of this list.
+/// List of all kinds of devices for a macro: for each kind its description, the key of its table under `[robot]`, and the type of that table. Devices
+/// that the board of the robot's base reads are read in the order of this list.
 macro_rules! with_every_kind {
     ($define:ident) => {
         $define! {
-            /// Camera that looks straight down: a table of its keys, `true` for the default one, or `false` for none. On the default robot only the
-            /// wheels are left without it.
+            /// Camera that looks straight down: a table of its keys, `true` for the default one, or `false` for none. Without it the default robot
+            /// has no sensor but its wheel encoders.
             floor_camera: FloorCamera as "Fitted<FloorCamera>";
             /// Camera that looks ahead: a table of its keys, `true` for the default one, or `false` for none.
             forward_camera: ForwardCamera as "Fitted<ForwardCamera>";
             /// Camera that looks up: a table of its keys, `true` for the default one, or `false` for none.
             ceiling_camera: CeilingCamera as "Fitted<CeilingCamera>";
-            /// Range camera for coded landmarks: a table of its keys, `true` for the default one, or `false` for none.
+            /// Range camera, which measures where landmarks with a code are: a table of its keys, `true` for the default one, or `false` for none.
             range_camera: RangeCamera as "Fitted<RangeCamera>";
             /// Gyroscope about the vertical: a table of its keys, `true` for the default one, or `false` for none.
             gyro: Gyro as "Fitted<Gyro>";
@@ -55,20 +55,21 @@ macro_rules! with_every_kind {
 }
 pub(crate) use with_every_kind;
 
-/// Passes every method to a macro: what the method reads, its name, and the key under `[robot]` of the device that creates the method.
+/// List of all localization methods for a macro: for each method its description, its name, and the key under `[robot]` of the device whose readings
+/// it uses.
 macro_rules! with_every_method {
     ($define:ident) => {
         $define! {
-            /// The method that reads joints of a tiled floor, seen by a camera that looks down (paper 1).
+            /// Method that locates the robot by the joints of a tiled floor, seen by a camera that looks down (paper 1).
             FloorTiles reads floor_camera,
-            /// The method that reads coded landmarks whose positions are on no map, seen by a range camera (paper 3).
+            /// Method that locates the robot by coded landmarks whose positions are on no map, seen by a range camera (paper 3).
             RangeLandmarks reads range_camera,
-            /// The method that reads dot-matrix markers on the ceiling, seen by a camera that looks up (paper 5).
+            /// Method that locates the robot by dot-matrix markers on the ceiling, seen by a camera that looks up (paper 5).
             CeilingMarkers reads ceiling_camera,
-            /// The method that reads level edges of walls, seen by a camera that looks ahead, also in the dark. It gives the heading up to quarter
-            /// turns (paper 2).
+            /// Method that finds the robot's heading, up to quarter turns, by level edges of walls, seen by a camera that looks ahead, also in the
+            /// dark (paper 2).
             WallDirections reads forward_camera,
-            /// The method that reads positions of an antenna, as a receiver of satellite navigation reports them.
+            /// Method that locates the robot by the positions of an antenna that a receiver of satellite navigation reports.
             GnssPositions reads gnss,
         }
     };
@@ -104,7 +105,7 @@ with_every_method!(define_methods);
 
 macro_rules! define {
     ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
-        /// Bounds that a careful user can know of each kind of device, with the key of the device's table under `[robot]`.
+        /// Bounds on the errors of each kind of device that a careful user can know, with the key of the device's table under `[robot]`.
         pub(super) fn careful() -> Vec<(&'static str, Careful)> {
             vec![$((stringify!($name), $keys::careful()),)+]
         }
@@ -113,16 +114,16 @@ macro_rules! define {
 
 with_every_kind!(define);
 
-/// Bounds that a careful user can know of a device from a data sheet and an afternoon of measuring.
+/// Bounds on a device's errors that a careful user can know from a data sheet and an afternoon of measuring.
 pub(super) struct Careful {
     /// Keys of the device, with the values that a careful user can know.
     pub(super) keys: Value,
-    /// Names of keys that mean something only together. A scene that states one of them gets no careful value for any of them.
+    /// Names of keys that mean something only together. A scene that states one of them gets no careful user's value for any of them.
     pub(super) together: &'static [&'static str],
 }
 
 impl Careful {
-    /// Makes a careful user's bounds from keys that each mean something on their own.
+    /// Bounds of a careful user on a device all of whose keys have a meaning on their own, so that a scene may state any of them.
     fn each(keys: Value) -> Self {
         Careful { keys, together: &[] }
     }

@@ -40,7 +40,7 @@ pub enum SceneError {
         /// The folder without any scene.
         folder: PathBuf,
     },
-    /// The key that was to be set is not a key of scenes.
+    /// A setting is of a key that scenes do not have.
     #[error("set `{key}` of scene {}: unknown key, expected one such as {}", path.display(), nearest.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "))]
     UnknownKey {
         /// Path of the scene's file.
@@ -50,7 +50,7 @@ pub enum SceneError {
         /// Known keys that may have been meant, the nearest first.
         nearest: Vec<String>,
     },
-    /// The key `extends` was to be set, which only the scene's file itself may state.
+    /// A setting is of the key `extends`, which only the scene's file itself may state.
     #[error("set `extends = {value}` of scene {}: what it extends is a matter of its file, expected a key of the scene itself", path.display())]
     SetBase {
         /// Path of the scene's file.
@@ -79,7 +79,7 @@ pub struct Problem {
     pub value: Option<String>,
     /// What is wrong with the key or its value, and what was expected.
     pub expected: String,
-    /// Range of bytes to underline, counted through the joined text of all files of the scene.
+    /// Range of bytes to underline, counted from the start of the joined text of all files of the scene.
     pub span: Range<usize>,
     /// Explanation of what the key means.
     pub help: Option<String>,
@@ -88,7 +88,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The problem of a text that is not TOML. The text begins at byte `start` of the joined text of all files of the scene.
+    /// The problem of a file whose text is not TOML. The text begins at byte `start` of the joined text of all files of the scene.
     pub(crate) fn of_toml(error: &toml::de::Error, start: usize) -> Problem {
         let expected = format!("not a scene in TOML: {}", error.message().trim().replace('\n', ", "));
         let span = error.span().unwrap_or(0..0);

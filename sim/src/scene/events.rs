@@ -71,7 +71,7 @@ pub enum Event {
         #[schemars(range(min = 0.02, max = 60.0))]
         lasts_s: f64,
     },
-    /// The flow sensor finds nothing to follow.
+    /// The flow sensor finds nothing on the floor to follow.
     FlowBlind {
         /// Time at which the flow sensor loses the floor.
         #[schemars(range(min = 0.0, max = 36000.0))]
@@ -127,7 +127,7 @@ impl Event {
         }
     }
 
-    /// Whether the event is in progress at an instant.
+    /// Whether the event is in progress at a given instant.
     pub fn is_on(&self, time_s: f64) -> bool {
         self.at_s() <= time_s && time_s < self.at_s() + self.lasts_s()
     }

@@ -1,4 +1,5 @@
-//! Scenes that build on others: merges a scene's file with the files that it extends, and remembers where each value stands.
+//! Scenes that extend other scene files: merges a scene's file with the files that it extends, and remembers for each value where in their text it
+//! stands.
 
 use std::{
     fs,
@@ -28,7 +29,7 @@ wins; any other value, lists included, replaces the whole. `description` is neve
 pub struct Sources {
     /// The joined texts of all files, with a line break between each two.
     text: String,
-    /// The files in the order of the joined text: the scene's own first, then the one that each extends.
+    /// The files in the order of the joined text: the scene's own file first, and after each file the one that it extends.
     files: Vec<Source>,
 }
 
@@ -42,7 +43,7 @@ struct Source {
 }
 
 impl Sources {
-    /// A text without a file. It can extend nothing, as there is no folder in which the extended file could be found.
+    /// Makes sources of a single text. A text that comes from no file cannot extend a file, as there is no folder in which that file could be found.
     pub(crate) fn alone(text: &str, name: &str) -> Sources {
         let whole = Source { name: name.to_owned(), span: 0..text.len(), folder: String::new() };
         Sources { text: text.to_owned(), files: vec![whole] }
@@ -56,7 +57,7 @@ impl Sources {
         loop {
             let stated = match sources.stated() {
                 Ok(Some(stated)) => stated,
-                // The last file extends nothing, or it is not TOML, in which case it is refused when all files are merged.
+                // The file read last extends no other, or it is not TOML, in which case it is refused when all files are merged.
                 Ok(None) => return Ok(sources),
                 Err(problem) => return Err(sources.refuse(vec![*problem])),
             };
@@ -117,7 +118,7 @@ impl Sources {
         }
     }
 
-    /// All files merged into one document, without their keys `extends`. Spans count bytes through the joined `text`.
+    /// All files merged into one document, without their keys `extends`. Spans in the document are ranges of bytes of the joined `text`.
     pub(crate) fn merged(&self) -> Result<Spanned<DeTable<'_>>, Vec<Problem>> {
         let mut merged = DeTable::new();
         for source in &self.files {
@@ -126,7 +127,7 @@ impl Sources {
                 .map_err(|error| vec![Problem::of_toml(&error, start)])?;
             let mut table = shifted_table(document.into_inner(), start);
             let stated = table.remove("extends");
-            // A file's key `extends` has been followed to the next file, so the last text has the key only if it is a text without a file.
+            // A file that states `extends` is followed by the file that it extends. So the last text states it only if it comes from no file.
             let is_last = source.span.end == self.text.len();
             if let Some(base) = stated.filter(|_| is_last) {
                 let value = excerpt(&self.text[base.span()]);
@@ -148,7 +149,7 @@ impl Sources {
         Ok(Spanned::new(0..self.text.len(), merged))
     }
 
-    /// The joined text of all files, through which spans count bytes.
+    /// The joined text of all files. The spans of keys and values are ranges of its bytes.
     pub(crate) fn text(&self) -> &str {
         &self.text
     }
@@ -163,7 +164,7 @@ impl Sources {
         self.files.first().map_or("", |file| &file.name)
     }
 
-    /// Error that refuses the scene for `problems`. The file in which each problem stands is entered in the problem.
+    /// Makes the error that refuses the scene because of `problems`. Enters in each problem the name of the file in which it stands.
     pub(crate) fn refuse(self, mut problems: Vec<Problem>) -> SceneError {
         for problem in &mut problems {
             let place = self.files.iter().position(|source| source.holds(&problem.span));
@@ -179,7 +180,7 @@ impl Source {
     }
 }
 
-/// Shows a span of the joined text within the file in which it stands.
+/// Shows a range of bytes of the joined text in an error message, together with the name and the lines of the file in which it stands.
 impl SourceCode for Sources {
     fn read_span<'a>(
         &'a self,
@@ -220,7 +221,7 @@ impl Stated {
     }
 }
 
-/// Adds to `over` those keys of `under` that `over` does not state, table by table.
+/// Adds to the table `over` those keys of the table `under` that `over` does not state, and does the same with the tables in them.
 fn lay_under<'text>(over: &mut DeTable<'text>, under: DeTable<'text>) {
     for (key, value) in under {
         match over.get_mut(key.get_ref().as_ref()) {
@@ -234,8 +235,8 @@ fn lay_under<'text>(over: &mut DeTable<'text>, under: DeTable<'text>) {
     }
 }
 
-/// Changes the path of a map, which counts from the file that names it, to count from the scene's own file. `folder` is the path from the scene's
-/// folder to the folder of the file that names the map.
+/// Rewrites the path of a map file in `table`: it is relative to the file that states it, and becomes relative to the scene's own file. `folder` is
+/// the path from the scene's folder to the folder of the file that states the map.
 fn move_map(table: &mut DeTable<'_>, folder: &str) {
     let navigation = table.get_mut("navigation").map(Spanned::get_mut);
     let Some(DeValue::Table(navigation)) = navigation else { return };

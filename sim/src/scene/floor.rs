@@ -45,10 +45,10 @@ pub struct Tiles {
     /// Angle from world x to the x axis of the tiles' grid.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rotation_deg: f64,
-    /// Place, along the x axis of the tiles' grid, of the centre line of the joint with index 0.
+    /// Coordinate, along the x axis of the tiles' grid, of the centre line of the joint with index 0.
     #[schemars(range(min = -1000.0, max = 1000.0))]
     pub phase_x_m: f64,
-    /// Place, along the y axis of the tiles' grid, of the centre line of the joint with index 0.
+    /// Coordinate, along the y axis of the tiles' grid, of the centre line of the joint with index 0.
     #[schemars(range(min = -1000.0, max = 1000.0))]
     pub phase_y_m: f64,
     /// Width of the joints.
@@ -68,7 +68,7 @@ pub struct Tiles {
     /// Amplitude of the tiles' pattern, as a share of the tile's albedo.
     #[schemars(range(min = 0.0, max = 0.6))]
     pub pattern_contrast: f64,
-    /// Greatest displacement of each end of a joint from its nominal place, drawn at random. Between its ends every joint is laid along a straight
+    /// Greatest displacement of each end of a joint from its nominal position, drawn at random. Between its ends every joint is laid along a straight
     /// line.
     #[schemars(range(min = 0.0, max = 0.02))]
     pub laying_tolerance_m: f64,
@@ -81,7 +81,7 @@ pub struct Tiles {
     /// Share of the tiles' edges along which the joint cannot be seen at all.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub missing_share: f64,
-    /// Tiles laid off their nominal place, which is not declared to the localizer.
+    /// Tiles that are displaced from their nominal position. The localizer is not given the displacement.
     pub misplaced: Vec<Misplaced>,
 }
 
@@ -100,7 +100,7 @@ pub enum Pattern {
     Stripes,
 }
 
-/// A tile whose four corners are all displaced alike.
+/// A tile whose four corners are all displaced by the same vector.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Misplaced {
@@ -115,7 +115,7 @@ pub struct Misplaced {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// Name of the region, for events and sweeps.
+    /// Name of the region, by which events, and sweeps over a key's values, refer to it.
     pub name: String,
     /// Range of world x that the floor region covers, from the least to the greatest.
     pub x_m: [f64; 2],
@@ -136,7 +136,7 @@ pub struct Region {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.2))]
     pub nap_drift: f64,
-    /// Direction in which the carpet's nap carries a wheel, measured from world x. It does not depend on the direction in which the wheel rolls.
+    /// Direction in which the carpet's nap carries a wheel, measured from world x. It is the same whichever way the wheel rolls.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub nap_direction_deg: f64,
@@ -167,9 +167,9 @@ pub struct Region {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stray {
-    /// World place of one end of the wire, tape or other straight thing.
+    /// World x and y of one end of the wire, tape or other straight thing.
     pub from_m: [f64; 2],
-    /// World place of the other end of the wire, tape or other straight thing.
+    /// World x and y of the other end of the wire, tape or other straight thing.
     pub to_m: [f64; 2],
     /// Width of the straight thing.
     #[schemars(range(min = 0.0005, max = 0.2))]

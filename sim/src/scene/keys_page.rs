@@ -59,7 +59,7 @@ fn write_table(text: &mut String, table: &Table) -> Vec<Table> {
     for (key, property) in table.node["properties"].as_object().into_iter().flatten() {
         let said =
             [&property["description"], &resolve(property)["description"]].map(|text| text.as_str().unwrap_or_default());
-        // A table has one description where it is used and one where it is defined. If both are equal, one is written.
+        // The key of a table has one description, and the type of the table another. If both are equal, only one is written.
         let description = if said[0] == said[1] { said[0].to_owned() } else { said.join(" ") };
         let description = description.trim().replace('\n', " ");
         let path = if table.path.is_empty() { key.clone() } else { format!("{}.{key}", table.path) };

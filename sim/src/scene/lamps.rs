@@ -15,9 +15,9 @@ pub const MAX_LAMPS: usize = 1024;
 pub struct Lamp {
     /// Kind of the lamp.
     pub kind: LampKind,
-    /// World x of the lamp's middle; for a window, of a place on its wall.
+    /// World x of the lamp's middle; for a window, of a point of its wall.
     pub x_m: f64,
-    /// World y of the lamp's middle; for a window, of a place on its wall.
+    /// World y of the lamp's middle; for a window, of a point of its wall.
     pub y_m: f64,
     /// Height of the lamp's middle above the floor. Unless stated, 0.03 m below the ceiling, or 1.5 m above the floor for a window.
     #[serde(default)]

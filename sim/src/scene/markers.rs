@@ -16,13 +16,13 @@ use super::{Scene, building::default_retroreflection};
 pub struct Markers {
     /// Set of codewords from which the markers get their identities.
     pub coding: Coding,
-    /// Greatest distance of a marker's true centre from its stated place; drawn at random.
+    /// Greatest distance of a marker's true centre from its stated position; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub placement_tolerance_m: f64,
     /// Greatest angle by which a marker is turned against its stated direction; drawn at random.
     #[schemars(range(min = 0.0, max = 45.0))]
     pub rotation_tolerance_deg: f64,
-    /// Greatest distance of a dot from its place on the marker; drawn at random.
+    /// Greatest distance of a printed dot from its nominal position on the marker; drawn at random.
     #[schemars(range(min = 0.0, max = 0.01))]
     pub print_tolerance_m: f64,
     /// Greatest difference of a marker's true height from its stated height; drawn at random.
@@ -37,8 +37,8 @@ pub struct Markers {
     /// Ceiling markers, stated one by one.
     #[serde(rename = "marker")]
     pub markers: Vec<Marker>,
-    /// Lays out markers automatically, in place of single ones: as few as are proven sufficient for the room and the ceiling camera, with the
-    /// identities of `coding` in their order.
+    /// Lets the program lay out the markers, in place of stating single ones. It lays out as few as are proven to be enough for the room and the
+    /// ceiling camera, with the identities of `coding` in their order.
     pub layout: Option<Layout>,
     #[serde(skip)]
     pub(crate) laid_out: Vec<Marker>,
@@ -49,10 +49,10 @@ pub struct Markers {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Layout {
-    /// Least number of markers in the ceiling camera's image at once.
+    /// Least number of markers that the ceiling camera has wholly in its image at once.
     #[schemars(range(min = 1, max = 4))]
     pub seen_at_once: usize,
-    /// Least distance of the markers in view from the edges of the ceiling camera's image.
+    /// Least distance of a marker from the edges of the ceiling camera's image at which it counts as seen.
     #[schemars(range(min = 0.0, max = 200.0))]
     pub margin_px: f64,
 }
@@ -83,7 +83,7 @@ pub struct Marker {
     /// Whether the marker is on the ceiling; false for one that has fallen off.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub pasted: bool,
-    /// Displacement of the marker since the map was made, along world x and y.
+    /// Displacement of the marker along world x and y since it was put on the localizer's map.
     #[serde(default, skip_serializing_if = "is_nowhere_else")]
     #[schemars(inner(range(min = -200.0, max = 200.0)))]
     pub misplaced_m: [f64; 2],
@@ -138,7 +138,7 @@ impl From<Coding> for markers::Coding {
 }
 
 impl Markers {
-    /// All markers, whether stated one by one or laid out.
+    /// All markers of the scene, whether stated one by one or laid out by the program.
     pub fn all(&self) -> &[Marker] {
         if self.layout.is_some() { &self.laid_out } else { &self.markers }
     }
@@ -156,7 +156,7 @@ impl Markers {
         }
     }
 
-    /// Text of the keys that state all markers of the map one by one, as a scene has them.
+    /// Text of the keys of a scene that state all markers of its map one by one.
     pub fn keys(&self) -> Result<String, toml::ser::Error> {
         #[derive(Serialize)]
         struct Keys {
@@ -185,7 +185,7 @@ impl Markers {
 }
 
 impl Marker {
-    /// An undamaged marker along world x, just under the ceiling.
+    /// An undamaged marker just under the ceiling, with the direction from its dot O to its dot X along world x.
     pub(crate) fn new(id: u16, x_m: f64, y_m: f64) -> Marker {
         Marker {
             id,
@@ -226,7 +226,7 @@ impl Default for Markers {
 
 impl Default for Layout {
     fn default() -> Self {
-        // Vision compares a dot with its surroundings, which take a margin of a few pixels.
+        // The image processing compares a dot with its surroundings, for which a margin of a few pixels is left.
         Layout { seen_at_once: 1, margin_px: 3.0 }
     }
 }

@@ -63,10 +63,10 @@ pub struct Scene {
     /// Description of the scene in one sentence, for the table of results.
     #[serde(default)]
     pub description: String,
-    /// Source of the tolerances and bounds that the scene itself does not state.
+    /// Where those tolerances and bounds come from that the scene itself does not state.
     #[serde(default)]
     pub bounds_from: BoundsFrom,
-    /// Length of the run. Ignored when stations are given.
+    /// Length of the run. Without effect when the robot stands at stations instead of driving.
     #[serde(default = "default_duration_s")]
     #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
     pub duration_s: f64,
@@ -101,19 +101,19 @@ pub struct Scene {
     pub robot: Robot,
     /// Pose of the robot at time 0, and the tolerances within which the localizer knows it.
     pub start: Start,
-    /// Drive along given waypoints. A scene has a route, errands or stations.
+    /// Drive along given waypoints. A scene has one of three: a route, errands (goals to drive to) or stations (poses to stand at).
     #[serde(default)]
     pub route: Option<Route>,
-    /// Settings for planning and driving errands.
+    /// Settings for errands, which are goals to which the robot finds its own path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub navigation: Option<Navigation>,
-    /// Goals to which the robot finds its own path, one after the other, instead of a route.
+    /// Errands: goals to which the robot finds its own path, one after the other, instead of a route.
     #[serde(default, rename = "errand", skip_serializing_if = "Vec::is_empty")]
     pub errands: Vec<Errand>,
-    /// Poses at which the robot stands still, for tables of accuracy, instead of a drive.
+    /// Stations: poses at which the robot is put and stands still, for tables of accuracy, instead of a drive.
     #[serde(default, rename = "station")]
     pub stations: Vec<Station>,
-    /// Further poses at which the robot stands still, spread over the room.
+    /// Further stations (poses at which the robot stands still), spread over the room.
     #[serde(default)]
     pub station_spread: Option<Spread>,
     /// Events during the run.
@@ -136,12 +136,12 @@ impl Scene {
         !self.robot.cameras().is_empty()
     }
 
-    /// Whether the robot is steered along its route by its true pose, whatever its estimate says.
+    /// Whether the robot is steered along its route by its true pose instead of its estimated pose.
     pub fn is_led(&self) -> bool {
         self.route.as_ref().is_some_and(|route| route.led)
     }
 
-    /// Settings for errands: those of the scene, or the defaults if the scene states none.
+    /// Settings for errands (goals to which the robot finds its own path): those of the scene, or the defaults if the scene states none.
     pub fn navigation(&self) -> Navigation {
         self.navigation.clone().unwrap_or_default()
     }
@@ -199,23 +199,25 @@ impl Default for Light {
 pub struct LocalizerSetup {
     /// Methods by which the localizer reads sensors other than the wheel encoders.
     pub methods: Vec<MethodName>,
-    /// Image processing by which `floor_tiles` finds joints between tiles.
+    /// Image processing by which the method `floor_tiles` finds joints between tiles.
     pub floor_tiles_chain: FloorTilesChain,
-    /// Components of the pose that `range_landmarks` solves for; the others it takes from what is known otherwise.
+    /// Components of the pose for which the method `range_landmarks` solves. The other components stay as they were estimated before.
     pub range_landmarks_freedom: RangeLandmarksFreedom,
-    /// How `range_landmarks` solves for the pose when x, y and heading are all free.
+    /// Algorithm by which the method `range_landmarks` solves for the pose when x, y and heading are all free.
     pub range_landmarks_solver: RangeLandmarksSolver,
-    /// Setup of `wall_directions`: what it knows of the building, and how it finds level edges in images.
+    /// Setup of the method `wall_directions`, which finds the heading by level edges in images: what it knows of the building's walls, and how it
+    /// finds the edges.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_directions: Option<WallDirectionsSetup>,
-    /// Whether to learn the gyroscope's bias and scale, between fixes of the heading and, where `bounds.rest_turn_deg` is stated, while the robot
-    /// rests.
+    /// Whether the localizer learns the gyroscope's bias and scale: from the turns between fixes of the heading by other sensors, and, where
+    /// `bounds.rest_turn_deg` is stated, also while the robot rests.
     pub learns_gyro: bool,
-    /// An estimate counts as available while it is sound, contains the truth, and its hull is narrower than this in x and in y. Must be less than the
-    /// walls leave to the middle of the robot's body.
+    /// An estimate counts as available while its status is sound, its boxes contain the truth, and their hull is narrower than this in x and in y.
+    /// Must be less than the width, in x and in y, that the walls leave to the middle of the robot's body.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
-    /// An estimate counts as available while it is sound, contains the truth, and its hull is narrower than this in heading. Must be less than 360.
+    /// An estimate counts as available while its status is sound, its boxes contain the truth, and their hull is narrower than this in heading. Must
+    /// be less than 360.
     #[schemars(range(max = 360.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_deg: f64,
 }
@@ -236,41 +238,41 @@ impl Default for LocalizerSetup {
 }
 
 impl LocalizerSetup {
-    /// Setup of `wall_directions`: the scene's, or the default if the scene states none.
+    /// Setup of the method `wall_directions`, which finds the heading by level edges in images: the scene's, or the default if the scene states none.
     pub fn wall_directions(&self) -> WallDirectionsSetup {
         self.wall_directions.clone().unwrap_or_default()
     }
 }
 
-/// Components of the pose that `range_landmarks` solves for; the others it takes from what is known otherwise.
+/// Components of the pose for which the method `range_landmarks` solves. The other components stay as they were estimated before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeLandmarksFreedom {
-    /// Solves for world x only (paper 3, Table II).
+    /// Solves for the robot's world x only (paper 3, Table II).
     Line,
-    /// Solves for world x and y (paper 3, Table III).
+    /// Solves for the robot's world x and y (paper 3, Table III).
     Translation,
-    /// Solves for world x, y and heading (paper 3, Table IV).
+    /// Solves for the robot's world x, y and heading (paper 3, Table IV).
     #[default]
     Full,
 }
 
-/// How `range_landmarks` solves for the pose when x, y and heading are all free.
+/// Algorithm by which the method `range_landmarks` solves for the pose when x, y and heading are all free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeLandmarksSolver {
-    /// Solves by linear elimination of all landmarks at once, without bisection.
+    /// Linear elimination over all landmarks at once, without bisecting boxes of poses.
     #[default]
     OneShot,
-    /// Solves by the polar contractor, repeated to its fixpoint.
+    /// Contraction of the box of poses by each landmark in polar coordinates, until it shrinks no further.
     Polar,
-    /// Solves by the contractor of paper 3's Table IV with correct branches, repeated to its fixpoint.
+    /// Contraction of the box of poses by paper 3's Table IV, with all branches of its inverse functions, until it shrinks no further.
     TableIv,
-    /// Solves by paper 3's set inversion with a resolution of 0.05 m and 0.05 rad.
+    /// Bisection of boxes of poses by paper 3's set inversion, with a resolution of 0.05 m and 0.05 rad.
     Sivia,
 }
 
-/// Image processing by which `floor_tiles` finds joints between tiles.
+/// Image processing by which the method `floor_tiles` finds joints between tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorTilesChain {

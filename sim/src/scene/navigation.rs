@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::OccupancyGrid;
 
-/// Settings for planning and driving errands.
+/// Settings for errands, which are goals to which the robot finds its own path.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Navigation {
@@ -18,19 +18,19 @@ pub struct Navigation {
     /// Greatest speed of the robot on a planned path.
     #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
     pub speed_m_per_s: f64,
-    /// Distance that planned paths keep between the robot's body and what the map shows.
+    /// Distance that planned paths keep between the robot's body and everything that the map shows.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub margin_m: f64,
-    /// A goal counts as reached when the middle of the estimate is this near to it, unless the errand states another distance.
+    /// A goal counts as reached when the middle of the estimated box of poses is this near to it, unless the errand states another distance.
     #[schemars(range(min = 0.005, max = 5.0))]
     pub tolerance_m: f64,
     /// Number of goals that the seed draws at random, anywhere that the robot can get to. They come after the goals of `[[errand]]`.
     #[schemars(range(min = 0, max = 1000))]
     pub random_goals: usize,
-    /// Time for which a robot whose path is blocked waits before it looks for another path.
+    /// Time for which the robot waits when its path to a goal is blocked, before it looks for another path.
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub patience_s: f64,
-    /// Waiting time, summed over an errand, after which the errand is given up.
+    /// Waiting time on the path to one goal, summed up, after which this goal is given up.
     #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
     pub give_up_s: f64,
     /// Contents of the map file that the key `map` names.
@@ -49,7 +49,7 @@ pub enum FollowerName {
     TurnThenDrive,
 }
 
-/// A goal to which the robot finds its own path.
+/// An errand: a goal to which the robot finds its own path.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Errand {
@@ -60,7 +60,8 @@ pub struct Errand {
     pub x_m: f64,
     /// World y of the goal.
     pub y_m: f64,
-    /// The goal counts as reached when the middle of the estimate is this near to it. Unless stated, as in `[navigation]`.
+    /// The goal counts as reached when the middle of the estimated box of poses is this near to it. Unless stated, the distance in `[navigation]`
+    /// applies.
     #[serde(default)]
     #[schemars(range(min = 0.005, max = 5.0))]
     pub tolerance_m: Option<f64>,

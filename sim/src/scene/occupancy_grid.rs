@@ -16,7 +16,7 @@ pub enum Cell {
 pub struct OccupancyGrid {
     /// Length of a cell's edges.
     pub resolution_m: f64,
-    /// World place of the lower left corner of the first cell.
+    /// World x and y of the first cell's corner with the least x and y.
     pub origin_m: [f64; 2],
     /// Number of columns along world x and of rows along world y.
     pub size: [usize; 2],
@@ -33,26 +33,27 @@ impl OccupancyGrid {
         self.cells[row * self.size[0] + column]
     }
 
-    /// Column and row of the cell in which a world place lies, or `None` beyond the map.
+    /// Column and row of the cell in which a position in the world lies, or `None` beyond the map.
     pub fn cell_at(&self, place_m: [f64; 2]) -> Option<[usize; 2]> {
         let index = [0, 1].map(|axis| ((place_m[axis] - self.origin_m[axis]) / self.resolution_m).floor());
         let is_inside = (0..2).all(|axis| index[axis] >= 0.0 && index[axis] < self.size[axis] as f64);
         is_inside.then(|| index.map(|index| index as usize))
     }
 
-    /// World place of the centre of a cell.
+    /// World x and y of the centre of a cell.
     pub fn centre_m(&self, cell: [usize; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.origin_m[axis] + (cell[axis] as f64 + 0.5) * self.resolution_m)
     }
 
-    /// Marks the cell in which a world place lies as occupied. A place beyond the map changes nothing.
+    /// Marks the cell in which a position in the world lies as occupied. A position beyond the map changes nothing.
     pub fn occupy(&mut self, place_m: [f64; 2]) {
         if let Some([column, row]) = self.cell_at(place_m) {
             self.cells[row * self.size[0] + column] = Cell::Occupied;
         }
     }
 
-    /// Whether any cell that is not free lies within a distance of a world place, measured to the cells' edges. True for a place beyond the map.
+    /// Whether any cell that is not free lies within `within_m` of a position in the world, measured to the cells' edges. True for a position beyond
+    /// the map.
     pub fn is_crowded(&self, place_m: [f64; 2], within_m: f64) -> bool {
         let reach = (within_m / self.resolution_m).ceil() as i64 + 1;
         let Some(middle) = self.cell_at(place_m) else { return true };

@@ -2,7 +2,7 @@
 
 use super::{LampKind, Scene};
 
-/// The robot's room, and how the true building is turned against its scene.
+/// The robot's room, and the angle by which the true building is turned against the building that the scene states.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     /// Extents of the robot's room along its own sides.
@@ -12,34 +12,37 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// True place of a point of the building, given the place that the scene states.
+    /// True position of a point of the building, given the position that the scene states.
     pub(crate) fn stands(&self, stated_m: [f64; 2]) -> [f64; 2] {
         self.turned(stated_m, self.turn_rad)
     }
 
-    /// Place at which the scene states a point of the building, given the true place. In the scene the walls of the room are along the axes.
+    /// Position that the scene states for a point of the building, given its true position. In the scene the walls of the robot's room are along the
+    /// world's axes.
     pub(crate) fn stated(&self, stands_m: [f64; 2]) -> [f64; 2] {
         self.turned(stands_m, -self.turn_rad)
     }
 
-    /// Distance of a place from the nearest wall of the robot's room; negative outside the room.
+    /// Distance of a position from the nearest wall of the robot's room; negative outside the room.
     pub(crate) fn wall_distance_m(&self, at_m: [f64; 2]) -> f64 {
         let stated_m = self.stated(at_m);
         let to_wall_m = |axis: usize| stated_m[axis].min(self.size_m[axis] - stated_m[axis]);
         to_wall_m(0).min(to_wall_m(1))
     }
 
-    /// Distance along each axis by which the room may reach beyond its stated extent when it is turned by up to `most_rad` either way.
+    /// Distance along each world axis by which the corners of the robot's room may lie beyond its stated extent when the room is turned by up to
+    /// `most_rad` either way.
     pub(crate) fn beyond_m(&self, most_rad: f64) -> [f64; 2] {
         [0, 1].map(|axis| {
             let (half_m, other_m) = (0.5 * self.size_m[axis], 0.5 * self.size_m[1 - axis]);
-            // A corner of the room reaches farthest along an axis when it lies on the axis through the room's middle.
+            // A corner of the room reaches farthest along an axis when the turn puts it onto the line through the room's middle along this axis.
             let (sin, cos) = most_rad.min(other_m.atan2(half_m)).sin_cos();
             (half_m * (cos - 1.0) + other_m * sin).max(0.0)
         })
     }
 
-    /// Turns a place about the room's middle. The change is added to the place, so that without a turn every place stays the same to the last bit.
+    /// Turns a position about the middle of the robot's room. The change is added to the position, so that without a turn it stays the same to the
+    /// last bit.
     fn turned(&self, at_m: [f64; 2], turn_rad: f64) -> [f64; 2] {
         let (sin, cos) = turn_rad.sin_cos();
         let [x_m, y_m] = [0, 1].map(|axis| at_m[axis] - 0.5 * self.size_m[axis]);
@@ -53,7 +56,8 @@ impl Scene {
         Plan { size_m: [self.room.width_m, self.room.depth_m], turn_rad: self.building.turned_rad }
     }
 
-    /// Turns all walls and what hangs on them. Things that stand on the floor, lie in the floor or are under the ceiling stay in place.
+    /// Turns all walls, with the doors, pictures and windows in them. Things that stand on the floor, lie in the floor or are under the ceiling stay
+    /// in place.
     pub(crate) fn turn_walls(&mut self, turn_deg: f64) {
         self.building.turned_rad = turn_deg.to_radians();
         let plan = self.plan();
@@ -73,7 +77,7 @@ impl Scene {
         }
     }
 
-    /// Whether walls turned by `turn_rad` leave room for the robot's body wherever the scene puts the robot.
+    /// Whether walls turned by `turn_rad` leave enough room for the robot's body at every position at which the scene puts the robot.
     pub(crate) fn leaves_places(&self, turn_rad: f64) -> bool {
         let plan = Plan { turn_rad, ..self.plan() };
         let ways = self.route.iter().flat_map(|route| &route.waypoints).map(|at| ([at.x_m, at.y_m], 0.0));
@@ -84,7 +88,7 @@ impl Scene {
         let start = std::iter::once(([self.start.x_m, self.start.y_m], drawn_m));
         let (sin, cos) = turn_rad.sin_cos();
         start.chain(ways).chain(goals).chain(stations).all(|(at_m, tolerance_m)| {
-            // The square of places that are drawn around a stated place reaches this far towards a turned wall.
+            // A true position is drawn at random within a square around the stated one, which reaches this far towards a turned wall.
             plan.wall_distance_m(at_m) >= self.robot.body_radius_m + tolerance_m * (cos + sin.abs())
         })
     }

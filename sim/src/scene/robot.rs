@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-// The macro list of devices names the key type of every kind of device, so all of them are imported.
+// The macro `with_every_kind` names the types of the keys of all kinds of devices, so all of them are imported.
 use super::devices::*;
 
 /// Defines the struct `Robot`, with a table of keys for every kind of device.
@@ -16,7 +16,7 @@ macro_rules! define {
         #[serde(deny_unknown_fields, default, remote = "Self")]
         #[schemars(rename = "Robot")]
         pub struct Robot {
-            /// Robot whose values apply where no other key states one.
+            /// Named robot whose values apply where no other key states one.
             pub preset: RobotPreset,
             /// Mass of the robot.
             #[schemars(range(min = 0.5, max = 200.0))]
@@ -30,7 +30,8 @@ macro_rules! define {
             /// Greatest error of each wheel's radius, drawn at random, as a share of the nominal radius.
             #[schemars(range(min = 0.0, max = 0.1))]
             pub wheel_radius_tolerance: f64,
-            /// Shares of their radius by which the left and the right wheel are worn off, beyond the random error. Not declared to the localizer.
+            /// Shares of their nominal radius by which the left and the right wheel are worn off, in addition to the random error of the radius. The
+            /// localizer is not given them.
             #[schemars(inner(range(min = 0.0, max = 0.5)))]
             pub wheel_wear: [f64; 2],
             /// Nominal distance between the wheels' contact points.
@@ -64,7 +65,8 @@ macro_rules! define {
             )+
             /// How readings of wheels, gyroscope and flow sensor reach the localizer: at once and each exactly once, unless stated otherwise.
             pub delivery: Delivery,
-            /// Rangefinders that detect what is in the way on errands: a table of their keys, `true` for the default ones, or `false` for none.
+            /// Rangefinders that detect what is in the robot's way to a goal: a table of their keys, `true` for the default ones, or `false` for
+            /// none.
             #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
             #[schemars(with = "Fitted<Proximity>")]
             pub proximity: Option<Proximity>,
@@ -120,7 +122,7 @@ pub enum Distribution {
     Uniform,
     /// Normal distribution with half the tolerance as standard deviation; values outside the tolerance are drawn again.
     TruncatedGaussian,
-    /// Either end of the tolerance, never a value between: the adversarial corner.
+    /// Always one of the two ends of the tolerance, never a value between: the adversarial corner.
     Corner,
     /// The worst drift: errors that stay the same are at an end of their tolerance, and errors that may change add up in the worst way. Noise and
     /// stamps always err to one side, delays alternate between the ends, the flow sensor's scale depends on the direction of travel, and joints and

@@ -39,7 +39,8 @@ pub struct Route {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub begins_s: f64,
-    /// Whether the robot begins again after the last waypoint, until the run's time is up. A route of a single place ends there nevertheless.
+    /// Whether the robot drives the route again after the last waypoint, until the run's time is up. A route whose waypoints are all at one position
+    /// is not repeated.
     #[serde(default)]
     pub repeat: bool,
     /// Whether the robot is steered along the route by its true pose instead of its estimate, so that every localizer gets the same drive, even one
@@ -48,7 +49,7 @@ pub struct Route {
     pub led: bool,
 }
 
-/// A place that the robot passes on its route.
+/// A position that the robot passes on its route.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {
@@ -80,8 +81,8 @@ pub struct Station {
     /// Heading at the station, counter-clockwise from world x.
     #[schemars(range(min = -1e6, max = 1e6))]
     pub heading_deg: f64,
-    /// Greatest distance of the robot's true place at the station from the stated one, in x and y each; drawn at random. Unless stated, the start's
-    /// tolerance applies.
+    /// Greatest distance of the robot's true position at the station from the stated one, in x and y each; drawn at random. Unless stated, the
+    /// start's tolerance applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub tolerance_m: Option<f64>,
@@ -92,27 +93,29 @@ pub struct Station {
     pub tolerance_deg: Option<f64>,
 }
 
-/// Poses spread evenly over the room and over all headings, wherever the robot's body has room. They follow a Halton sequence, so that the first
-/// hundred cover the room as evenly as all of them do, and they come after the stations that are stated one by one.
+/// Stations (poses at which the robot stands still) spread evenly over the room and over all headings, wherever the robot's body has room. They
+/// follow a Halton sequence, so that the first hundred cover the room as evenly as all of them do, and they come after the stations that are stated
+/// one by one.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
     /// Number of poses to spread over the room.
     #[schemars(range(min = 1, max = 100000))]
     pub count: usize,
-    /// Greatest distance of the robot's true place from the one generated, in x and y each; drawn at random. Unless stated, the start's tolerance
-    /// applies.
+    /// Greatest distance of the robot's true position at a station from the position chosen for it, in x and y each; drawn at random. Unless stated,
+    /// the start's tolerance applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub tolerance_m: Option<f64>,
-    /// Greatest difference of the robot's true heading from the one generated; drawn at random. Unless stated, the start's tolerance applies.
+    /// Greatest difference of the robot's true heading at a station from the heading chosen for it; drawn at random. Unless stated, the start's
+    /// tolerance applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 180.0))]
     pub tolerance_deg: Option<f64>,
 }
 
 impl Scene {
-    /// Adds the stations for which `station_spread` asks.
+    /// Adds the stations (poses at which the robot stands still) that the key `station_spread` demands.
     pub(crate) fn spread_stations(&mut self) {
         let Some(spread) = self.station_spread.clone() else { return };
         let margin_m = self.robot.body_radius_m + spread.tolerance_m.unwrap_or(self.start.tolerance_m);
@@ -121,7 +124,7 @@ impl Scene {
             return;
         }
         let is_clear = |at_m: [f64; 2]| self.furniture.iter().all(|piece| piece.distance_m(at_m) >= margin_m);
-        // In a room that is full of furniture no pose is free: the search ends after a thousand times as many poses as are wanted.
+        // A room may be so full of furniture that no pose is free, so the search ends after a thousand times as many poses as are wanted.
         let poses = (1..=1000 * spread.count as u64).map(|index| {
             let [across, along, around] = [2, 3, 5].map(|base| radical_inverse(index, base));
             ([margin_m + across * extent_m[0], margin_m + along * extent_m[1]], 360.0 * around)

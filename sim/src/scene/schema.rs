@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{Scene, extend::EXTENDS};
 
-/// Text of the schema as in `scenes/schema.json`, which describes a single file that may extend another.
+/// Text of the schema, as in `scenes/schema.json`. It describes a single scene file, which may extend another file and then leave out keys.
 pub fn schema_text() -> String {
     let mut file = schema().clone();
     file["properties"]["extends"] = json!({ "description": EXTENDS, "type": "string" });
@@ -16,8 +16,8 @@ pub fn schema_text() -> String {
     format!("{file:#}\n")
 }
 
-/// Makes all keys of tables outside of lists optional, as the file that is extended may state what a file leaves out. `pointer` leads to a table in
-/// `file`.
+/// Makes all keys optional in the table at `pointer` of the schema `file` and in all tables within, except in lists: a scene file that extends
+/// another may leave out what the other one states.
 fn ask_for_nothing(file: &mut Value, pointer: &str) {
     let Some(table) = file.pointer_mut(pointer).and_then(Value::as_object_mut) else { return };
     table.remove("required");
@@ -39,7 +39,7 @@ pub(crate) fn schema() -> &'static Value {
     SCHEMA.get_or_init(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>().to_value())
 }
 
-/// The schema that `node` stands for: references are followed, and `null` is removed from the alternatives.
+/// The schema that `node` stands for: references are followed, and `null` is removed from alternatives.
 pub(crate) fn resolve(mut node: &'static Value) -> &'static Value {
     loop {
         if let Some(reference) = node.get("$ref").and_then(Value::as_str) {

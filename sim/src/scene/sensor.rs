@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensor {
-    /// Camera whose values apply where no other key states one. Unless stated, `global_shutter` for the floor camera, `robot_vacuum` for the forward
-    /// camera and `infrared` for the ceiling camera.
+    /// Named camera whose values apply where no other key states one. Unless stated, `global_shutter` for the floor camera, `robot_vacuum` for the
+    /// forward camera and `infrared` for the ceiling camera.
     pub preset: Option<SensorPreset>,
     /// Distance between the centres of neighbouring pixels.
     #[schemars(range(min = 0.5e-6, max = 50e-6))]

@@ -25,8 +25,8 @@ pub struct Furniture {
     /// Direction of the furniture's length, counter-clockwise from world x. Any angle.
     #[serde(default)]
     pub rotation_deg: f64,
-    /// Whether the map of errands shows the piece of furniture, as it does unless stated. One that is not mapped stands unforeseen in the robot's
-    /// way.
+    /// Whether the map on which the robot plans its paths shows the piece of furniture; true unless stated. One that is not on the map stands
+    /// unforeseen in the robot's way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mapped: Option<bool>,
     /// Share of the light that the piece of furniture throws back, as a matt surface.
@@ -38,7 +38,7 @@ pub struct Furniture {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.2))]
     pub gloss: f64,
-    /// Blur of what the furniture's faces mirror: standard deviation of the mirrored direction, about each axis.
+    /// Blur of what the furniture's faces mirror: standard deviation of the direction of mirrored light, about each axis.
     #[serde(default = "default_furniture_roughness_deg")]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub roughness_deg: f64,
@@ -48,7 +48,7 @@ pub struct Furniture {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Person {
-    /// World places that the person walks to, one after the other and back again.
+    /// World x and y of the points that the person walks to, one after the other and back again.
     #[schemars(length(min = 1))]
     pub waypoints_m: Vec<[f64; 2]>,
     /// Walking speed of the person.
@@ -65,7 +65,7 @@ pub struct Person {
     pub height_m: f64,
 }
 
-/// A coded landmark. The localizer is not given its position.
+/// A landmark with a code on it, for a range camera. The localizer is not given its position.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Landmark {
@@ -80,12 +80,12 @@ pub struct Landmark {
 }
 
 impl Furniture {
-    /// Whether maps show this piece of furniture, as they do unless the scene states otherwise.
+    /// Whether the map on which the robot plans its paths shows this piece of furniture; true unless the scene states otherwise.
     pub fn is_mapped(&self) -> bool {
         self.mapped.unwrap_or(true)
     }
 
-    /// Distance on the floor from a place to the furniture's footprint; 0 inside the footprint.
+    /// Distance on the floor from a position to the furniture's footprint; 0 inside the footprint.
     pub fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let (sin, cos) = self.rotation_deg.to_radians().sin_cos();
         let (x_m, y_m) = (place_m[0] - self.x_m, place_m[1] - self.y_m);

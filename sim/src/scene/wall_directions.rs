@@ -6,54 +6,58 @@ use serde::{Deserialize, Serialize};
 
 use super::{MethodName, Scene};
 
-/// Setup of `wall_directions`: what it knows of the building, and how it finds level edges in images.
+/// Setup of the method `wall_directions`, which finds the heading by level edges in images: what it knows of the building's walls, and how it
+/// finds the edges.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WallDirectionsSetup {
-    /// Image processing by which `wall_directions` finds level edges.
+    /// Image processing by which the method `wall_directions` finds level edges.
     pub chain: WallDirectionsChain,
     /// Directions of walls on the localizer's map, measured from world x, modulo 90. Unless stated, those of `[room]` and of every
     /// `[[building.room]]`.
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mapped_deg: Option<Vec<f64>>,
-    /// Bound `wall_directions.direction`: every direction on the map is within this of a wall's direction, and every wall's direction is within this
-    /// of one on the map. With `learns` set, walls more than 10 degrees off every direction on the map are exempt. Each seed turns all walls together
-    /// by a random angle within this tolerance.
+    /// Bound `wall_directions.direction`: greatest angle from each direction on the localizer's map to the nearest true direction of a wall, and from
+    /// each wall's true direction to the nearest one on the map. With `learns` set, walls more than 10 degrees off every direction on the map are
+    /// exempt. Each seed turns all walls together by a random angle within this tolerance.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
-    /// Bound `wall_directions.askew`: furniture along walls, which is furniture turned by at most 5 degrees against a wall of the scene, is within
-    /// this of a wall's direction. Every range of headings found from walls is widened by as much on either side.
+    /// Bound `wall_directions.askew`: greatest angle between a wall and the furniture along it. Furniture counts as along a wall if it is turned by
+    /// at most 5 degrees against a wall of the scene. Every range of headings found from walls is widened by this angle on either side.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub askew_deg: f64,
-    /// Whether the body's lean is solved for from all edges of an image together. Otherwise each edge may have been seen at any lean within
-    /// `body.tilt`. If the lean is solved for, fewer edges may be wrong: `wrong_held_share` and `wrong_held_edges` replace `wrong_images`.
+    /// Whether the tilt of the robot's body is solved for from all edges of an image together. Otherwise each edge may have been seen at any tilt
+    /// within the bound `body.tilt`. If the tilt is solved for, fewer edges may be wrong: `wrong_held_share` and `wrong_held_edges` replace
+    /// `wrong_images`.
     pub solves_lean: bool,
-    /// Greatest share of an image's level edges that run along no wall direction, and of its upright edges that are not upright. Such edges come from
-    /// clutter, people and pictures that hang askew.
+    /// Greatest share of an image's level edges that run along no wall direction, and of its upright edges that are not truly upright. Such wrong
+    /// edges come from clutter, people and pictures that hang askew.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_edge_share: f64,
-    /// Greatest number, among the ten images held in memory, of images with more wrong edges than `wrong_edge_share` allows.
+    /// Greatest number of images with more wrong edges than `wrong_edge_share` allows, among the ten latest images, which the localizer uses
+    /// together.
     #[schemars(range(min = 0, max = 10))]
     pub wrong_images: usize,
-    /// With `solves_lean`: greatest share of wrong edges, which run along no wall direction, among the level edges of the twenty images held in
-    /// memory. `wrong_held_edges` more are allowed.
+    /// With `solves_lean`: greatest share of wrong edges, which run along no wall direction, among the level edges of the twenty latest images, which
+    /// the localizer uses together. `wrong_held_edges` more are allowed.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_held_share: f64,
-    /// With `solves_lean`: number of wrong edges allowed in addition to `wrong_held_share`, for clutter that stays in view for a while.
+    /// With `solves_lean`: number of wrong edges allowed in the twenty latest images in addition to `wrong_held_share`, for clutter that stays in
+    /// view for a while.
     #[schemars(range(min = 0, max = 1000))]
     pub wrong_held_edges: usize,
-    /// With `solves_lean`: greatest number of images with any wrong edge, among the twenty images held in memory.
+    /// With `solves_lean`: greatest number of images that have any wrong edge, among the twenty latest images, which the localizer uses together.
     #[schemars(range(min = 0, max = 20))]
     pub spoilt_images: usize,
     /// Whether long edges on the floor are taken to run along walls, as skirtings, feet of walls and borders of fitted carpets do. Joints between
     /// tiles need not run along walls.
     pub floor_edges: bool,
-    /// Whether the building may have wall directions that are not on the map, to be learnt during the run. Each of these is more than 10 degrees off
-    /// every direction on the map.
+    /// Whether the building may have wall directions that are not on the localizer's map and that it learns during the run. Each of these is more
+    /// than 10 degrees off every direction on the map.
     pub learns: bool,
 }
 
-/// Image processing by which `wall_directions` finds level edges.
+/// Image processing by which the method `wall_directions` finds level edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WallDirectionsChain {
@@ -61,8 +65,8 @@ pub enum WallDirectionsChain {
     /// in the unfiltered image.
     #[default]
     Direct,
-    /// Paper 2's processing chain for finding level edges: histogram equalisation, rolling guidance filter, line segments, sets A and B, RANSAC,
-    /// Levenberg and Marquardt's fit.
+    /// Paper 2's processing chain for finding level edges: histogram equalisation, rolling guidance filter, line segments, the paper's sets A and B,
+    /// RANSAC, Levenberg and Marquardt's fit.
     Paper,
     /// Paper 2's processing chain for finding level edges, with CLAHE in place of histogram equalisation.
     PaperByTiles,
@@ -89,7 +93,7 @@ impl Default for WallDirectionsSetup {
 }
 
 impl WallDirectionsSetup {
-    /// Declared numbers of edges that may be wrong, for the localizer and its judge.
+    /// Numbers and shares of edges that may be wrong, as declared to the localizer and to the judge that checks its results.
     pub fn quotas(&self) -> Quotas {
         Quotas {
             edge_share: self.wrong_edge_share,
@@ -113,8 +117,8 @@ impl Scene {
         mapped.unwrap_or_else(|| self.stated_wall_directions_deg())
     }
 
-    /// Error of the map: the greatest angle from a mapped direction to the nearest wall's, or from a wall's direction to the nearest mapped one,
-    /// modulo quarter turns.
+    /// Error of the localizer's map of wall directions: the greatest angle from a mapped direction to the nearest wall's, or from a wall's direction
+    /// to the nearest mapped one, modulo quarter turns.
     pub(crate) fn wall_directions_off_deg(&self, true_deg: &[f64]) -> f64 {
         let mapped_deg = self.mapped_wall_directions_deg();
         let farthest_deg = |some_deg: &[f64], others_deg: &[f64]| {
@@ -134,7 +138,7 @@ impl Scene {
         farthest_deg(&mapped_deg, true_deg).max(untold_deg)
     }
 
-    /// Whether a wall direction that is `off_deg` off every mapped one is certain to be learnt, so that the map need not have it.
+    /// Whether a wall direction that is `off_deg` off every mapped one is certain to be learnt by the localizer, so that its map need not have it.
     pub(crate) fn is_learnt_at(&self, off_deg: f64) -> bool {
         self.localizer.wall_directions().learns && off_deg > LEARNT_APART_RAD.to_degrees()
     }
@@ -144,7 +148,8 @@ impl Scene {
         self.localizer.methods.contains(&MethodName::WallDirections)
     }
 
-    /// Greatest random turn of the walls against the scene: what the stated error of the map leaves of the declared tolerance.
+    /// Greatest random turn of the walls against the scene: the declared tolerance of the mapped wall directions, less the error of the directions
+    /// that the map states.
     pub(crate) fn walls_askew_deg(&self) -> f64 {
         if !self.draws_walls() {
             return 0.0;

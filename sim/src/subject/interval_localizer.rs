@@ -1,14 +1,14 @@
-//! The interval localizer of this project as the subject of a run, with the methods that a scene asks for.
+//! The interval localizer of this project, with the methods that a scene asks for, as the subject of a run: the localizer that the run tests.
 
 use localizer::{Localizer, Method, PoseBox, Reading, localizer::Account, motion::SlipExcess};
 
 use super::{Answer, Subject};
 use crate::{devices::method, scene::Scene};
 
-/// The interval localizer of this project as the subject of a run.
+/// The interval localizer of this project as the subject of a run, the localizer that the run tests.
 pub struct IntervalLocalizer {
     localizer: Localizer,
-    /// What the methods made of the latest reading.
+    /// What the localizer's methods claimed to see in the latest reading, and what followed for the pose.
     accounts: Vec<Account>,
 }
 
@@ -18,14 +18,15 @@ impl IntervalLocalizer {
         IntervalLocalizer::from(localizer(scene))
     }
 
-    /// The interval localizer for a scene, as a boxed subject that fits [`SubjectOf`](super::SubjectOf).
+    /// The interval localizer for a scene, boxed as the trait object that [`SubjectOf`](super::SubjectOf) functions return.
     pub fn boxed(scene: &Scene) -> Box<dyn Subject> {
         Box::new(IntervalLocalizer::of(scene))
     }
 }
 
 impl From<Localizer> for IntervalLocalizer {
-    /// Makes a subject of a localizer that was built in another way; the start box that it was built with does not matter.
+    /// Makes a localizer that was built in another way the subject of a run. The start box that it was built with does not matter, because every
+    /// drive begins with a start box of its own.
     fn from(localizer: Localizer) -> IntervalLocalizer {
         IntervalLocalizer { localizer, accounts: Vec::new() }
     }
@@ -64,7 +65,7 @@ fn localizer(scene: &Scene) -> Localizer {
     }
 }
 
-/// The methods that the scene asks for, each created by the device that it reads.
+/// The localizer's methods that the scene asks for, each created by the device that it reads.
 fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
     let (map, robot) = (scene.map(), scene.robot_model());
     scene.localizer.methods.iter().filter_map(|name| method(*name, scene, &map, &robot)).collect()

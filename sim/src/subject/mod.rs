@@ -22,11 +22,11 @@ pub trait Subject {
     /// Takes in a reading. Readings come in the order of their arrival, which need not be that of their measurement.
     fn observe(&mut self, reading: &Reading);
 
-    /// The subject's answer to where the robot is at `time_s`, which is never before the arrival of the newest reading.
+    /// The answer of the tested localizer (the subject) to where the robot is at `time_s`, which is never before the arrival of the newest reading.
     fn estimate_at(&self, time_s: f64) -> Answer;
 
-    /// What the subject's methods made of the latest reading. The judge compares these claims with the truth, and debug frames show them; a
-    /// subject without claims need not implement this.
+    /// What the subject's methods claimed to see in the latest reading, and what followed for the pose. The judge compares the claims with the truth,
+    /// and debug frames show them; a subject without claims need not implement this.
     fn accounts(&mut self) -> Vec<Account> {
         Vec::new()
     }
@@ -41,13 +41,14 @@ pub trait Subject {
 /// A function that creates the subject from a scene, for a run that is simulated again with changes.
 pub type SubjectOf<'a> = dyn Fn(&Scene) -> Box<dyn Subject> + 'a;
 
-/// A subject's answer to where the robot is.
+/// A tested localizer's answer to where the robot is.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Answer {
-    /// The robot is certainly in one of these boxes; judged by containment, width and error of the hull's midpoint.
+    /// The robot's pose is certainly in one of these boxes; the answer is judged by containment, width, and error of the midpoint of the box around
+    /// them all.
     Boxes(Estimate),
-    /// The robot is about here; judged by its error alone.
+    /// A single pose without bounds, at or near which the robot is; the answer is judged by its error alone.
     Point(Pose),
 }
 

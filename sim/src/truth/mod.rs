@@ -1,17 +1,18 @@
-//! The true state of the world at an instant. It reaches the sensors, the check of estimates and the record, never the localizer.
+//! The true state of the simulated world at an instant. The sensors, the check of estimates and the record of the run use it; the localizer never
+//! gets it.
 
 pub mod randomness;
 
 use localizer::Pose;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
-/// Length of a time step of the physics. From 2.5 ms on, longer steps make the supports of a light robot unstable.
+/// Length of a time step of the physics. Steps of 2.5 ms and more make the springs on which a light robot stands unstable.
 pub const STEP_S: f64 = 0.001;
 
 /// True state of the robot at an instant.
 ///
-/// `pose` is that of the body's origin, which lies under the middle of the axle at floor level when the body is at rest; its heading is
-/// unwrapped.
+/// `pose` is that of the body's origin, which lies under the middle of the axle at floor level when the body is at rest; its heading counts whole
+/// turns and is not wrapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
     /// Time since the start of the run.
@@ -20,15 +21,15 @@ pub struct Truth {
     pub pose: Pose,
     /// Forward speed, leftward speed and turn rate of the robot's origin, robot frame.
     pub velocity: [f64; 3],
-    /// Height of the robot's origin above its height at rest.
+    /// Height of the robot's origin above where it is when the robot is at rest on level floor.
     pub heave_m: f64,
     /// Rotation of the body about robot x (roll) and robot y (pitch) against the floor.
     pub tilt_rad: [f64; 2],
     /// Spin angle of the left and of the right wheel since the start.
     pub wheel_angle_rad: [f64; 2],
-    /// True travel over the floor of the left and of the right wheel's contact point along the robot's x axis, accumulated since the start.
+    /// True travel over the floor of the left and of the right wheel's contact point, measured along the robot's x axis and added up since the start.
     pub wheel_travel_m: [f64; 2],
-    /// True travel of the robot's origin along the robot's y axis, accumulated since the start.
+    /// True travel of the robot's origin to its left, along the robot's y axis, added up since the start.
     pub lateral_travel_m: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Random draws: one named random stream per sensor and subsystem, so that a change to one never changes the draws of another, and the
-//! distributions of errors within their tolerances.
+//! Random draws: one named random stream per sensor and subsystem, so that a change to one never changes the draws of another, and functions that
+//! draw errors within their tolerances.
 
 mod repeated;
 
@@ -13,7 +13,7 @@ use crate::scene::Distribution;
 pub use repeated::Repeated;
 pub(crate) use repeated::draw_phase;
 
-/// The random stream of the given name in the run of the given seed.
+/// The random stream that belongs to this name in the run with this seed.
 pub fn stream(seed: u64, name: &str) -> ChaCha8Rng {
     let digest = Sha256::digest(name.as_bytes());
     let mut number = [0_u8; 8];
@@ -28,7 +28,7 @@ pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rn
     match distribution {
         Distribution::Uniform => tolerance * rng.random_range(-1.0..=1.0),
         Distribution::TruncatedGaussian => loop {
-            // The standard deviation is half the tolerance; one draw in 22 falls outside the tolerance and is repeated.
+            // The standard deviation of the normal distribution is half the tolerance; one draw in 22 falls outside the tolerance and is repeated.
             let deviations: f64 = StandardNormal.sample(rng);
             if deviations.abs() <= 2.0 {
                 return tolerance * deviations / 2.0;
@@ -44,8 +44,8 @@ pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rn
     }
 }
 
-/// Draws the tilt of an axis in a random direction, as a rotation vector about x and y. The tolerance bounds the tilt angle, so that an
-/// angle and a direction are drawn.
+/// Draws at random the tilt of an axis, as a rotation vector about x and y. The tolerance bounds the angle of the tilt, so that an angle and a
+/// direction are drawn.
 pub fn draw_tilt(tolerance_deg: f64, errors: Distribution, rng: &mut ChaCha8Rng) -> [f64; 2] {
     let tilt_rad = draw_within(tolerance_deg.to_radians(), errors, rng);
     let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);

@@ -11,14 +11,15 @@ use super::GRAVITY_M_PER_S2;
 /// Height of the centre of mass over the body's radius, for a robot with batteries low and a deck above.
 const CENTRE_OF_MASS_OVER_RADIUS: f64 = 0.5;
 
-/// Width by which the collider exceeds the body, so that the softness of rapier's contacts never lets the body itself into a wall: at 0.5
-/// m/s and with both motors pushing it sinks in by less than a fifth of this.
+/// Width by which the collider (the shape with which rapier finds contacts) exceeds the robot's body. rapier's contacts are soft, so that the
+/// collider sinks into a wall, at 0.5 m/s and with both motors pushing by less than a fifth of this width; the body itself never does.
 const SKIN_M: f64 = 0.001;
 
 /// Thickness of the walls; a body that was driven deeper than half of it would come out behind.
 const WALL_THICKNESS_M: f64 = 1.0;
 
-/// Distance at which rapier prepares contacts. With its default of 20 mm every step along a wall would cost the time of a contact.
+/// Distance between the robot and a surface at which rapier prepares contacts. With its default of 20 mm every step along a wall would cost the
+/// time of a contact.
 const PREDICTION_M: f64 = 0.005;
 
 /// Friction between the robot's body and a wall, for smooth plastic on plaster.
@@ -34,7 +35,7 @@ pub(super) struct Chassis {
 }
 
 impl Clone for Chassis {
-    /// Copies everything that a step depends on; rapier's pipelines are working memory and are made anew.
+    /// Copies everything that a step of the simulation depends on; rapier's pipelines are working memory and are made anew.
     fn clone(&self) -> Self {
         let from = &self.physics;
         let physics = PhysicsWorld {
@@ -54,7 +55,7 @@ impl Clone for Chassis {
     }
 }
 
-/// Place and motion of the robot's body.
+/// Position, orientation and motion of the robot's body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyState {
     /// Pose of the body in the world, `world_from_robot`.
@@ -67,14 +68,15 @@ pub(super) struct BodyState {
     pub(super) forward: Vector,
     /// Unit vector in the floor plane to the left of `forward`, world frame.
     pub(super) left: Vector,
-    /// Motion of the body in the coming step, if forces stay as they are.
+    /// Motion of the body in the middle of the coming step, if forces stay as they are.
     pub(super) coming: Coming,
 }
 
 /// Motion of the body halfway through the coming step.
 ///
-/// rapier moves a body by the velocity after a step, so that the present velocity belongs to the middle of the last step. If the wheels'
-/// rolling were compared with it, they would seem to slip by `a·Δt`, and sideways by `v·ω·Δt/2`, which is as much as tyres really do.
+/// rapier moves a body by the velocity after a step, so that the present velocity belongs to the middle of the last step. If the wheels' rolling
+/// were compared with it, the wheels would seem to slip by `a·Δt` under an acceleration a, and sideways by `v·ω·Δt/2`, which is as much as tyres
+/// really slip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coming {
     velocity_m_per_s: Vector,
@@ -90,7 +92,7 @@ impl Chassis {
         let parameters = &mut physics.integration_parameters;
         parameters.dt = STEP_S;
         parameters.normalized_prediction_distance = PREDICTION_M;
-        // rapier may reuse contacts of earlier steps, which can be off by more than the tolerances of this world.
+        // rapier's reuse of contacts of earlier steps is off, because these can be off by more than the tolerances of this world.
         parameters.contact_recycling = false;
         // With rapier's default contact softness (60 Hz at ten times critical damping) a body that is pushed at 2 m/s would enter the wall
         // by 3 mm.
@@ -160,7 +162,7 @@ impl Chassis {
         self.physics.bodies[self.body].add_torque(torque_n_m, false);
     }
 
-    /// Sets the place where a person is at the end of the next step.
+    /// Sets the position at which a person is at the end of the next step.
     pub(super) fn place_person(&mut self, index: usize, place_m: [f64; 2]) {
         let Some(body) = self.people.get(index).and_then(|handle| self.physics.bodies.get_mut(*handle)) else { return };
         let height_m = body.translation().z;

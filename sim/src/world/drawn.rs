@@ -1,4 +1,5 @@
-//! True values that a seed draws at random within the declared bounds: of the place, the base and the devices. The localizer never sees them.
+//! True values that a seed draws at random within the declared bounds: of floor, building, the robot's base and its devices. The localizer never
+//! sees them.
 
 use localizer::Pose;
 use rand::seq::IndexedRandom;
@@ -19,7 +20,8 @@ use crate::{
 pub struct Drawn {
     /// True pose of the robot at time 0.
     pub start: Pose,
-    /// Goals of random errands, world frame. They are no secret: the driver is given them.
+    /// Places, drawn at random, to which a robot on errands is sent one after the other, world frame. They are no secret: the driver is given
+    /// them.
     pub goals_m: Vec<[f64; 2]>,
     /// Floor, walls, furniture and markers as they truly are.
     pub place: DrawnPlace,
@@ -41,7 +43,7 @@ impl Drawn {
         }
     }
 
-    /// Moves true values beyond the bound of this name back to the bound; everything else stays as drawn.
+    /// Moves true values that lie beyond the declared bound named `bound` back to that bound; all other values stay as drawn.
     pub(crate) fn clip(&mut self, bound: &str, scene: &Scene) {
         self.place.clip(bound, scene);
         self.base.clip(bound, &scene.robot);
@@ -69,7 +71,7 @@ fn draw_start(scene: &Scene, seed: u64) -> Pose {
 /// Least distance of a random goal from the goal before; with a smaller one there would be nothing to drive.
 const LEAST_LEG_M: f64 = 1.0;
 
-/// Draws the random goals of errands, each in the middle of a grid cell that the robot can reach.
+/// Draws the random goals of errands (drives to a goal), each in the middle of a grid cell that the robot can reach.
 fn draw_goals(scene: &Scene, seed: u64) -> Vec<[f64; 2]> {
     let n_goals = scene.navigation.as_ref().map_or(0, |navigation| navigation.random_goals);
     let mut from_m = scene.errands.last().map_or([scene.start.x_m, scene.start.y_m], |errand| [errand.x_m, errand.y_m]);
@@ -82,7 +84,7 @@ fn draw_goals(scene: &Scene, seed: u64) -> Vec<[f64; 2]> {
     for _ in 0..n_goals {
         let is_far = |at_m: &&[f64; 2]| (at_m[0] - from_m[0]).hypot(at_m[1] - from_m[1]) >= LEAST_LEG_M;
         let far_m: Vec<&[f64; 2]> = centres_m.iter().filter(is_far).collect();
-        // In a room too small for the least distance between goals, any place that the robot can reach may be drawn.
+        // In a room too small for the least distance between goals, any position that the robot can reach may be drawn.
         let Some(goal_m) = far_m.choose(&mut rng).copied().or_else(|| centres_m.choose(&mut rng)) else { break };
         goals_m.push(*goal_m);
         from_m = *goal_m;

@@ -4,20 +4,21 @@ use crate::scene::Stuck;
 
 use super::tyre::{Contact, Patch, Tyre};
 
-/// Number of substeps of a wheel in one step of the world. A wheel oscillates on its tyre at 36 Hz, and its motor's control is as stiff.
+/// Number of substeps into which one step of the world is divided for a wheel. A wheel oscillates on its tyre at 36 Hz, and the control of its
+/// motor is as stiff.
 const SUBSTEPS: u32 = 4;
 
-/// Inertia of a wheel with its geared rotor, as a share of the robot's mass at the tread: 0.0086 kg·m² for the P3-DX.
+/// Inertia of a wheel with its geared rotor, as an equivalent mass at the wheel's rim, over the robot's mass; 0.0086 kg·m² for the P3-DX.
 const INERTIA_SHARE: f64 = 0.1;
 
-/// Bandwidth of the wheel's speed controller against half the robot's mass: fast enough to be unnoticeable at 10 ms, slow enough not to
-/// ring with the tyre.
+/// Bandwidth of the wheel's speed controller when the wheel drives half the robot's mass: so fast that its lag is unnoticeable at 10 ms, and so
+/// slow that it does not ring with the tyre.
 const SPEED_BANDWIDTH_PER_S: f64 = 60.0;
 
-/// Ratio of proportional to integral gain: the time in which the controller makes up for a steady load.
+/// Ratio of proportional to integral gain of the wheel's speed controller: the time in which the controller makes up for a steady load.
 const INTEGRAL_TIME_S: f64 = 0.1;
 
-/// Greatest force of one motor at the tread over the robot's weight. Both wheels together hold against any friction below 1.2, so that a
+/// Greatest force of one motor at the wheel's rim, over the robot's weight. Both wheels together hold against any friction below 1.2, so that a
 /// pushed robot slides instead of turning its motors.
 const FORCE_LIMIT_OVER_WEIGHT: f64 = 0.5;
 
@@ -39,7 +40,7 @@ pub(super) struct Wheel {
     motor: Motor,
 }
 
-/// Forces of a wheel on the robot's body over a step.
+/// Forces that a wheel exerts on the robot's body, averaged over a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Traction {
     /// Mean force of the floor at the contact patch: forward and left.
@@ -64,7 +65,7 @@ impl Wheel {
         }
     }
 
-    /// Turns the wheel for one step of the world; the tyre is as the ground under it makes it.
+    /// Turns the wheel for one step of the world. `tyre` has the properties that the tyre has on the ground under it.
     pub(super) fn advance(
         &mut self,
         commanded_rad_per_s: f64,
@@ -81,11 +82,12 @@ impl Wheel {
         for _ in 0..SUBSTEPS {
             let torque_n_m = self.motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s);
             let force_n = self.patch.force_n(tyre, contact);
-            // Semi-implicit step: I·Ω̇ = T − R·F_x first, then the angle and the tyre's bristles with the new spin. Both must use the same
-            // rolling, or every acceleration would slip by half a substep's worth.
+            // Semi-implicit step: I·Ω̇ = T − R·F_x gives the new spin first, then the wheel's angle and the tyre's bristles are advanced with
+            // that spin. Both must use the same rolling, or every acceleration would slip by half a substep's worth.
             let mut surplus_n_m = torque_n_m - self.radius_m * force_n[0];
             if stuck == Some(Stuck::Blocked) {
-                // Whatever blocks the wheel takes up all remaining torque and, at once, the wheel's momentum.
+                // Whatever blocks the wheel takes up all torque that remains, and it takes up the wheel's momentum at once, so that the wheel
+                // stops.
                 surplus_n_m = -self.spin_rad_per_s * self.inertia_kg_m2 / substep_s;
             }
             self.spin_rad_per_s += surplus_n_m / self.inertia_kg_m2 * substep_s;

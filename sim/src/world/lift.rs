@@ -83,14 +83,15 @@ impl Lift {
     }
 }
 
-/// Raised height as a share of the greatest height, at a share of the lift's time, and its derivative.
+/// Height of the robot as a share of the lift's greatest height, at a share of the lift's duration, and the derivative of the former by the
+/// latter.
 fn raised(phase: f64) -> (f64, f64) {
     let (up, up_rate) = eased(phase / RAISE_SHARE);
     let (down, down_rate) = eased((1.0 - phase) / RAISE_SHARE);
     if phase < 0.5 { (up, up_rate / RAISE_SHARE) } else { (down, -down_rate / RAISE_SHARE) }
 }
 
-/// A transition from 0 to 1 without a jump of speed, and its derivative.
+/// A smooth transition from 0 to 1 without a jump of speed, and its derivative.
 fn eased(phase: f64) -> (f64, f64) {
     let phase = phase.clamp(0.0, 1.0);
     (0.5 - 0.5 * (PI * phase).cos(), 0.5 * PI * (PI * phase).sin())

@@ -69,7 +69,7 @@ pub struct World {
     lifts: Vec<Lift>,
     stuck: StuckWheels,
     walkers: Vec<Walker>,
-    /// Distance and turn that the wheels rolled in the present step; `traction` is the force that the floor gave them.
+    /// Distance and turn by which the wheels rolled in the present step; `traction` is the force that the floor exerted on the wheels.
     rolled: Rolled,
     traction: Vector,
     /// Total vertical force of the floor on the robot in the present step.
@@ -103,7 +103,7 @@ impl World {
         }
     }
 
-    /// Advances the world by [`STEP_S`] under a wheel command and returns the truth afterwards.
+    /// Advances the world by [`STEP_S`] under a wheel command and returns the true state of the robot afterwards.
     pub fn step(&mut self, command: WheelCommand) -> Truth {
         let time_s = self.n_steps as f64 / STEPS_PER_S;
         self.floor.advance_to(time_s);
@@ -119,7 +119,7 @@ impl World {
         self.odometer.advance(time_s, &self.chassis.state(), &self.wheels)
     }
 
-    /// The truth at the present time.
+    /// The true state of the robot at the present time.
     pub fn truth(&self) -> Truth {
         self.odometer.truth()
     }
@@ -180,8 +180,8 @@ impl World {
         };
     }
 
-    /// Applies the pushes of hands. The part against the tyres' grip acts low, the rest at the centre of mass, so that the body stays
-    /// level.
+    /// Applies the pushes of hands. The part of a push that works against the tyres' grip acts at the height of the floor, the rest at the centre
+    /// of mass, so that the body does not tilt.
     fn shove(&mut self, body: &BodyState, time_s: f64) {
         let [left_m, right_m] = [0, 1].map(|wheel_idx: usize| self.wheels[wheel_idx].patch.deflection_m());
         let deflection = (body.forward * (left_m[0] + right_m[0]) + body.left * (left_m[1] + right_m[1])) * 0.5;
@@ -208,7 +208,8 @@ impl World {
     }
 }
 
-/// Contact of a wheel with the floor at its foot, and the axes of the contact patch in the world: forward and left along the ground.
+/// Contact of a wheel with the floor at its lowest point `foot`, and the axes of the contact patch in the world: forward and left along the
+/// ground.
 fn contact(body: &BodyState, foot: Vector, load_n: f64, ground: &Ground) -> (Contact, [Vector; 2]) {
     let (mut axes, mut velocity_m_per_s) = ([body.forward, body.left], body.coming.over_floor(body, foot));
     let along = |world: [f64; 2], axis: Vector| world[0] * axis.x + world[1] * axis.y;

@@ -1,4 +1,5 @@
-//! Keeps the truth: the pose with its heading unwrapped, and travels accumulated so that they agree with the pose.
+//! Keeps the true state of the robot: the pose with its heading unwrapped, and the distances travelled, accumulated so that they agree with the
+//! pose.
 
 use localizer::Pose;
 use rapier3d_f64::prelude::Vector;
@@ -25,12 +26,12 @@ impl Odometer {
         Odometer { truth, forward: body.forward, track_m: drawn.base.track_m }
     }
 
-    /// The truth after the last step.
+    /// The true state of the robot after the last step.
     pub(super) fn truth(&self) -> Truth {
         self.truth
     }
 
-    /// Updates the truth by one step of the body.
+    /// Updates the true state of the robot by one step of the body.
     pub(super) fn advance(&mut self, time_s: f64, body: &BodyState, wheels: &[Wheel; 2]) -> Truth {
         let truth = &mut self.truth;
         let origin = body.world_from_robot.translation;

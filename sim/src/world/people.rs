@@ -8,7 +8,7 @@ use crate::{
     scene::{Person, Scene},
 };
 
-/// Gap to the robot's edge, along the path of the next second of walking, below which a person stands still.
+/// Gap below which a person stands still: the distance to the robot's edge from the path that the person would walk in the next second.
 const KEEPS_AWAY_M: f64 = 0.4;
 
 impl From<Bystander> for UprightBody {
@@ -30,7 +30,7 @@ pub(super) struct Walker {
     waypoints_m: Vec<[f64; 2]>,
     speed_m_per_s: f64,
     robot_radius_m: f64,
-    /// Index of the waypoint that the person walks to, and whether the person walks towards the end of the list.
+    /// Index of the waypoint that the person walks to, and whether the person goes through the list of waypoints forwards.
     towards: (usize, bool),
     body: Bystander,
 }

@@ -39,7 +39,7 @@ struct Progress {
     displacement: Vector,
 }
 
-/// Distance and turn that the wheels rolled in one step.
+/// Distance and turn by which the rolling of the wheels moves the robot in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rolled {
     /// Mean rolled distance of both wheels.
@@ -113,7 +113,8 @@ impl Push {
     }
 }
 
-/// Share of the displacement done at a share of the push's time, and its derivative: the speed has a trapezoidal profile.
+/// Share of a push's displacement that is done at a share of the push's time, and the derivative of the former by the latter: the speed has a
+/// trapezoidal profile.
 fn ramped(phase: f64) -> (f64, f64) {
     let peak = 1.0 / (1.0 - RAMP_SHARE);
     if phase < RAMP_SHARE {

@@ -5,7 +5,7 @@
 /// Parameters of a brush tyre, per unit of load, so that one tyre serves robots of any mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tyre {
-    /// Force of the tyre per load and unit of slip at small slip, `C/F_z`.
+    /// Slip stiffness of the tyre, `C/F_z`: its force per load and per unit of slip, at small slip.
     pub slip_stiffness: f64,
     /// Rolled distance in which a deflection of the bristles falls to 1/e.
     pub relaxation_length_m: f64,
@@ -17,12 +17,13 @@ impl Default for Tyre {
     /// A tyre of solid rubber on a wheel of about 0.2 m diameter.
     fn default() -> Self {
         Tyre {
-            // Road tyres have 10 to 30. With 25 the P3-DX slips by 0.24 % at 0.5 m/s²; half the stiffness doubles every slip.
+            // Road tyres have a slip stiffness of 10 to 30. With 25 the P3-DX slips by 0.24 % at 0.5 m/s²; half the stiffness doubles every slip.
             slip_stiffness: 25.0,
-            // About half the length of a contact patch, √(2·0.0975·0.0012) m, plus the carcass. A shorter length stiffens the body's
-            // oscillation on its tyres beyond what 1 ms steps resolve.
+            // The relaxation length is about half the length of a contact patch, √(2·0.0975·0.0012) m, plus a part for the carcass. A shorter
+            // length stiffens the body's oscillation on its tyres beyond what 1 ms steps resolve.
             relaxation_length_m: 0.02,
-            // Damps the oscillation of a standing robot, at 16 Hz, with a quarter of critical damping; it has no part in steady forces.
+            // The damping slows the oscillation of a standing robot on its tyres, at 16 Hz, with a quarter of critical damping; it has no part in
+            // steady forces.
             damping_s: 0.005,
         }
     }
@@ -80,7 +81,7 @@ pub struct Contact {
 }
 
 impl Patch {
-    /// Present deflection of the bristles: the displacement of the rim against the floor, negated.
+    /// Present deflection of the bristles: how far the floor holds them back, the negative of the displacement of the rim against the floor.
     pub fn deflection_m(&self) -> [f64; 2] {
         self.deflection_m
     }
@@ -100,11 +101,12 @@ impl Patch {
         let over_nap_m_per_s =
             [0, 1].map(|axis| contact.velocity_m_per_s[axis] - contact.nap[axis] * rolling_m_per_s.abs());
         let sliding_m_per_s = [over_nap_m_per_s[0] - rolling_m_per_s, over_nap_m_per_s[1]];
-        // The relaxation is integrated implicitly, so that any step keeps the steady state exact and the decay monotone.
+        // The relaxation of the bristles is integrated implicitly, so that any step keeps the steady state exact and the decay monotone.
         let relaxation = 1.0 + rolling_m_per_s.abs() / tyre.relaxation_length_m * step_s;
         let before_m = self.deflection_m;
         let mut after_m = [0, 1].map(|axis| (before_m[axis] - sliding_m_per_s[axis] * step_s) / relaxation);
-        // The bristles of a sliding patch bend no further. Without this cap the patch would have to slide all the way back first.
+        // The bristles of a contact patch that slides bend no further than this. Without the cap a patch that reverses would first have to slide
+        // back by all that its bristles had bent too far.
         let excess = norm(after_m) / tyre.sliding_deflection_m(contact.friction);
         if excess > 1.0 {
             after_m = after_m.map(|component_m| component_m / excess);

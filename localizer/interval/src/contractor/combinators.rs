@@ -1,7 +1,8 @@
 //! Contractors made of other contractors: conjunction, disjunction, repetition, and a change of variables.
 //!
-//! Source: G. Chabert, L. Jaulin, "Contractor programming", Artificial Intelligence 173 (2009). Each combination is sound when its parts are.
-//! None is optimal even if its parts are, because a box cannot express how its sides depend on each other.
+//! Source: G. Chabert, L. Jaulin, "Contractor programming", Artificial Intelligence 173 (2009). Each combination is sound (loses no solution) when
+//! its parts are. None of them is optimal (leaves the smallest box possible) even if its parts are, because a box cannot express how its sides
+//! depend on each other.
 
 use super::{Contractor, Outcome, settle};
 use crate::IntervalBox;
@@ -62,7 +63,8 @@ pub struct Fixpoint<Inner> {
 }
 
 impl Fixpoint<()> {
-    /// Greatest number of passes of a fixpoint. Slow convergence gains ever less per pass; bisection is then the better tool.
+    /// Greatest number of times that [`Fixpoint`] applies its contractor. Where convergence is slow, each further pass gains less; bisection is
+    /// then the better tool.
     pub const MOST_PASSES: usize = 1000;
 }
 
@@ -99,7 +101,8 @@ fn shrank<const N: usize>(before: &IntervalBox<N>, after: &IntervalBox<N>, ratio
     })
 }
 
-/// A constraint on `M` of a box's `N` variables. Sound and as tight as the inner contractor, because the other variables stay untouched.
+/// A constraint on `M` of a box's `N` variables, given by a contractor for these `M` variables. Sound, and as tight as that contractor, because the
+/// other variables stay untouched.
 #[derive(Clone, Debug)]
 pub struct OnAxes<Inner, const M: usize> {
     pub(super) contractor: Inner,

@@ -63,7 +63,8 @@ impl<'a> Expression<'a> {
     unary!(
         /// Absolute value.
         abs Abs,
-        /// Square. It is narrower than a product when the operand's sign is unknown, so `x * x` is turned into it.
+        /// Square of the value. Its enclosure is narrower than that of a product when the operand's sign is unknown, so `x * x` in a formula is
+        /// stored as a square.
         sqr Sqr,
         /// Square root.
         sqrt Sqrt,
@@ -209,8 +210,8 @@ impl<const N: usize, const M: usize> Program<N, M> {
         IntervalBox::new(self.outputs.map(|idx| values[idx]))
     }
 
-    /// Contracts every step, the last step first, by what the formulas' values may be (`outputs`). Returns the box of the variables that is
-    /// left.
+    /// Contracts the interval of every step's value, the last step first, starting from what the formulas' values may be (`outputs`). Returns the
+    /// box of the variables that is left.
     pub(super) fn backward(&self, mut values: Vec<Interval>, outputs: &IntervalBox<M>) -> IntervalBox<N> {
         for (idx, output) in self.outputs.iter().zip(outputs) {
             values[*idx] = values[*idx].intersect(*output);
@@ -228,7 +229,8 @@ impl<const N: usize, const M: usize> Program<N, M> {
 impl Step {
     fn forward(self, values: &[Interval]) -> Interval {
         match self {
-            // The values of a formula's variables are filled in before its first step is evaluated, so that this value is never used.
+            // A variable's value is filled in from the box before the first step is evaluated, so the whole line stands here only as a placeholder
+            // that is never used.
             Step::Variable => Interval::ENTIRE,
             Step::Constant(value) => value,
             Step::Add(a, b) => values[a] + values[b],
@@ -285,7 +287,7 @@ impl Step {
                 values[b] = (z.sqr() - values[a].sqr()).sqr_rev(values[b]);
             }
             Step::Atan2(y, x) => {
-                // With the radius r, (x, y) = r (cos z, sin z), hence x sin z = y cos z.
+                // The angle z of the vector (x, y) with the length r satisfies (x, y) = r (cos z, sin z), hence x sin z = y cos z.
                 let (cosine, sine) = (z.cos(), z.sin());
                 let radius = values[x].hypot(values[y]);
                 values[x] = (values[y] * cosine).mul_rev(sine, values[x].intersect(radius * cosine));
@@ -320,6 +322,6 @@ fn backward_max(z: Interval, x: Interval, y: Interval) -> (Interval, Interval) {
 fn within_half_circle(z: Interval) -> Interval {
     let quarter = std::f64::consts::FRAC_PI_2;
     let inside = z.intersect(Interval::new(-quarter, quarter));
-    // Beyond the last doubles before the poles ±π/2, an angle says nothing about its tangent.
+    // Beyond the last doubles before the poles ±π/2 the tangent of an angle may be any number, so such an interval must not contract the operand.
     if z.is_subset_of(inside) { inside } else { Interval::ENTIRE }
 }

@@ -27,7 +27,7 @@ impl<const N: usize> ForwardBackward<N> {
         ForwardBackward { program: Program::record(|x| [formula(x)]), range: IntervalBox::new([range]) }
     }
 
-    /// A contractor for the same formula with another interval of allowed values.
+    /// A contractor for this contractor's formula, with another interval of allowed values.
     pub fn with_range(&self, range: Interval) -> Self {
         ForwardBackward { program: self.program.clone(), range: IntervalBox::new([range]) }
     }

@@ -7,25 +7,27 @@ use crate::{Interval, IntervalBox};
 ///
 /// **Constraint.** x ∈ offset + k · period for some integer k, with offset and period in intervals, and period > 0.
 ///
-/// **Sound.** The indices k are enclosed by an outward-rounded division, so that no line that meets the domain is missed.
+/// **Sound.** The indices k are enclosed by an outward-rounded division, so that no line x = offset + k · period that meets the domain is missed.
 ///
-/// **Optimal.** The branches are exact up to rounding, and the contraction is their hull. Searching for the outermost branches from both ends
-/// loses nothing.
+/// **Optimal.** The branches (one interval for each line in the domain) are exact up to rounding, and the contraction is their hull. It is found by
+/// searching for the outermost branches from both ends, which loses nothing.
 ///
 /// **Source.** Solving for k gives k ∈ (x − offset) / period, where each variable occurs once, so that the enclosure of k is exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic {
     /// Distance between neighbouring lines; positive.
     pub period: Interval,
-    /// Interval of the position of line 0.
+    /// Interval of the position of the line with the index 0, from which the lines are counted.
     pub offset: Interval,
 }
 
 impl Periodic {
-    /// Greatest number of branches that are returned. A larger union is of no use to a caller, so the domain is returned as one box instead.
+    /// Greatest number of branches (one interval for each line in the domain) that are returned. A longer list is of no use to a caller, so the
+    /// domain is returned as one box instead.
     pub const MOST_BRANCHES: i64 = 4096;
 
-    /// Indices of the first and the last line that may meet the interval `x`; `None` when there are too many lines to count.
+    /// Indices k of the first and the last line x = offset + k · period that may meet the interval `x`; `None` when there are too many lines to
+    /// count.
     pub fn indices(&self, x: Interval) -> Option<(i64, i64)> {
         let quotient = (x - self.offset) / self.period;
         let (first, last) = (quotient.lo().ceil(), quotient.hi().floor());
@@ -33,7 +35,7 @@ impl Periodic {
         is_countable.then_some((first as i64, last as i64))
     }
 
-    /// Interval of the position of line `index`.
+    /// Interval of the position offset + k · period of the line with the index k = `index`.
     pub fn line(&self, index: i64) -> Interval {
         self.offset + self.period * index as f64
     }
@@ -50,7 +52,8 @@ impl Contractor<1> for Periodic {
         let highest = (first..=last).rev().take(3).map(part).find(|part| !part.is_empty());
         let left = match (lowest, highest) {
             (Some(lowest), Some(highest)) => lowest.hull(highest),
-            // Rounding of the quotient admits at most one index too many at each end, so with so few indices no line meets the interval.
+            // Because the quotient is rounded, the range of line indices contains at most one index too many at each end. So when there are at most
+            // three indices and the search has found no line, no line meets the interval.
             _ if last - first < 3 => Interval::EMPTY,
             _ => domain[0],
         };

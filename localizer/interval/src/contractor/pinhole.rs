@@ -30,7 +30,7 @@ impl Contractor<5> for Pinhole {
             z = product.mul_rev(*pixel, z);
             *pixel = product.mul_rev(z, *pixel);
         }
-        // A point at depth 0 is in no image.
+        // A point at depth 0 is in no image, so the depth has to be positive.
         let behind = z.hi() <= 0.0;
         let left = if behind { IntervalBox::EMPTY } else { IntervalBox::new([x, y, z, u, v]) };
         settle(domain, left, "no point in front of the camera is seen at that pixel")

@@ -20,8 +20,8 @@ pub struct Polar;
 
 const NON_NEGATIVE: Interval = Interval::new(0.0, f64::INFINITY);
 
-/// Greatest number of quarter turns at which an angle interval is cut; a wider angle interval stays as it is and contracts the other variables
-/// only.
+/// Greatest number of quarter turns that an angle interval may touch to be cut at their ends; a wider angle interval stays as it is, and contracts
+/// only the other variables (x, y and the radius).
 const MOST_QUARTERS: i64 = 64;
 
 impl Contractor<4> for Polar {
@@ -59,7 +59,8 @@ impl Contractor<4> for Polar {
     }
 }
 
-/// The first and the last quarter turn in which the angle may be; `None` when there are too many of them, or when they are too far from 0.
+/// First and last k of the quarter turns [k π/2, (k + 1) π/2] that an interval of angles touches; `None` when there are too many of them, or when
+/// they are too far from 0.
 fn quarters(angle: Interval) -> Option<(i64, i64)> {
     let quotient = angle / (Interval::PI / 2.0);
     let (first, last) = (quotient.lo().floor(), quotient.hi().floor());
@@ -93,7 +94,7 @@ fn in_first_quadrant(x: Interval, y: Interval, r: Interval, angle: Interval) -> 
     let (mut x, mut y) = (x.intersect(NON_NEGATIVE), y.intersect(NON_NEGATIVE));
     let mut r = r.intersect(NON_NEGATIVE);
     let mut angle = angle.intersect(quarter);
-    // A second pass lets each variable profit from the contraction of all others.
+    // The contractions are applied twice, so that each variable profits from those of all others.
     for _ in 0..2 {
         r = r.intersect(x.hypot(y));
         // The zero vector has every direction, so the angle is contracted only if the vector cannot be zero.

@@ -18,7 +18,7 @@ use crate::{Interval, IntervalBox};
 pub struct QRelaxed<const N: usize> {
     /// The constraints, each of which contracts the domain alone.
     pub contractors: Vec<Box<dyn Contractor<N> + Send + Sync>>,
-    /// Greatest number of constraints that may be violated.
+    /// Greatest number q of the constraints that may be violated.
     pub q: usize,
 }
 
@@ -69,7 +69,7 @@ fn hull_of_depth<const N: usize>(boxes: &[IntervalBox<N>], axis: usize, needed: 
     let mut highs: Vec<f64> = boxes.iter().map(|one| one[axis].hi()).collect();
     lows.sort_by(f64::total_cmp);
     highs.sort_by(f64::total_cmp);
-    // Number of intervals that contain x: those that begin at or before x, less those that end before x.
+    // Number of the boxes' intervals (along this axis) that contain x: those that begin at or before x, less those that end before x.
     let depth = |x: f64| lows.partition_point(|low| *low <= x) - highs.partition_point(|high| *high < x);
     let first = lows.iter().copied().find(|low| depth(*low) >= needed);
     let last = highs.iter().copied().rev().find(|high| depth(*high) >= needed);

@@ -1,4 +1,4 @@
-//! Contractor for membership of a fixed box.
+//! Contractor for the constraint that a point is in a fixed box.
 
 use super::{Contractor, Outcome, settle};
 use crate::IntervalBox;
@@ -9,8 +9,8 @@ use crate::IntervalBox;
 ///
 /// **Sound** and **optimal**, because an intersection is exact.
 ///
-/// **Source.** The definition. What a measurement says of the measured quantity has this form, at the root of a forward-backward contractor
-/// ([`Inverse`](super::Inverse)).
+/// **Source.** The definition. A measurement is a constraint of this form: the measured quantity is in the box. [`Inverse`](super::Inverse) turns
+/// it into a constraint on the variables that the quantity is computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Within<const N: usize>(pub IntervalBox<N>);
 

@@ -44,8 +44,9 @@ impl Mul for Interval {
         let hl = self.hi * other.lo;
         let hh = self.hi * other.hi;
         let (lo, hi) = (least(least(ll, lh), least(hl, hh)), greatest(greatest(ll, lh), greatest(hl, hh)));
-        // 0 × ∞ gives NaN. Where the comparisons drop a NaN by their order, either an end of the result is the product of the zero and the
-        // other, finite bound, or the result is infinite. Neither is regular, so the product is then computed case by case.
+        // 0 × ∞ gives NaN, and the comparisons in `least` and `greatest` may drop a NaN. Then either an end of the result is 0, the product of the
+        // zero with the other factor's finite bound, or the result is infinite. Neither of these is a regular number, so the product is then
+        // computed case by case.
         if are_regular(lo, hi) {
             Interval::from_bounds(down_regular(lo), up_regular(hi))
         } else {
@@ -96,8 +97,8 @@ impl Div for Interval {
     /// Quotient { x / y : y ≠ 0 } as one interval; see [`div2`](Interval::div2) for the two pieces that it may consist of.
     #[inline]
     fn div(self, other: Interval) -> Interval {
-        // A negative divisor is turned positive, together with the dividend; then each end of the quotient needs only the end of the divisor
-        // that moves it outward.
+        // A negative divisor is turned positive, together with the dividend. Then each bound of the quotient comes from one bound of the dividend
+        // and that bound of the divisor which moves the quotient outward.
         let (numerator, divisor) = if other.hi < 0.0 { (-self, -other) } else { (self, other) };
         if divisor.lo > 0.0 {
             let lo = numerator.lo / if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };

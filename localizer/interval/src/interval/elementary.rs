@@ -1,7 +1,7 @@
 //! Elementary functions of intervals: powers, roots, exponential, logarithm, absolute value, minimum, maximum.
 //!
 //! The crate `pxfm` states a largest error of half a unit in the last place for the functions used here. That error is measured, not proven, so
-//! the results are widened by two steps: one for the rounding, one in case the stated error is exceeded.
+//! each bound is moved outward by two steps to the neighbouring double: one for the rounding, one in case the stated error is exceeded.
 
 use super::Interval;
 use super::rounding::{down, down_twice, up, up_twice};
@@ -97,7 +97,7 @@ impl Interval {
         if self.is_empty() || self.hi <= 0.0 {
             return Interval::EMPTY;
         }
-        // 1 is the only double whose logarithm is exactly a double.
+        // 1 is the only double whose logarithm is exactly a double, so only its logarithm is not widened.
         let lo = if self.lo <= 0.0 {
             f64::NEG_INFINITY
         } else if self.lo == 1.0 {
@@ -190,7 +190,8 @@ fn proven_root(
         return trivial;
     }
     let root = root_nearby(scaled, n);
-    // The first candidates are neighbouring numbers. Then the steps grow, so that a poor start costs steps, never soundness.
+    // Candidates for the bound are tried from the approximate root outward. The first ones are neighbouring numbers. Then the steps grow, so that a
+    // poor approximation costs steps, never soundness.
     let candidates = (0..40).scan((root, root * f64::EPSILON), |(candidate, step), idx| {
         let current = *candidate;
         *candidate = moved(current, if idx < 4 { 0.5 * *step } else { *step });

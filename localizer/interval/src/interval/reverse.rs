@@ -7,26 +7,26 @@ use super::Interval;
 use super::elementary::{root_down, root_up};
 use super::rounding::{down_sum, up_sum};
 
-/// Greatest distance from 0, in radians, at which the reverses of periodic functions narrow a bound of an angle: a bound farther from 0 stays as
-/// known. Enclosures of multiples of π are some 10⁻⁴ wide there, and grow with the distance.
+/// Greatest distance from 0, in radians, at which the reverse operations of sine, cosine and tangent narrow a bound of an angle: a bound farther
+/// from 0 stays as known. Enclosures of multiples of π are some 10⁻⁴ wide there, and grow with the distance.
 const LARGEST_PERIODIC: f64 = 1e12;
 
 const NON_NEGATIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
 impl Interval {
-    /// Reverse of the square: the operands in `known` whose square is in `self`.
+    /// Reverse of the square: interval around the operands in `known` whose square is in `self`.
     #[inline]
     pub fn sqr_rev(self, known: Interval) -> Interval {
         even_reverse(self.sqrt(), known)
     }
 
-    /// Reverse of the absolute value: the operands in `known` whose absolute value is in `self`.
+    /// Reverse of the absolute value: interval around the operands in `known` whose absolute value is in `self`.
     #[inline]
     pub fn abs_rev(self, known: Interval) -> Interval {
         even_reverse(self.intersect(NON_NEGATIVE), known)
     }
 
-    /// Reverse of the integer power: the operands in `known` whose power n is in `self`.
+    /// Reverse of the integer power: interval around the operands in `known` whose power n is in `self`.
     pub fn pown_rev(self, known: Interval, n: i32) -> Interval {
         let root = match n {
             0 => {
@@ -55,14 +55,14 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Reverse of the sine: the angles in `known` whose sine is in `self`.
+    /// Reverse of the sine: interval around the angles in `known` whose sine is in `self`.
     pub fn sin_rev(self, known: Interval) -> Interval {
         let principal = self.asin();
         // Branch k of the inverse sine is centred on kπ; the sine rises on even branches and falls on odd ones.
         periodic_reverse(principal, known, 0.5, |k| pi_times(k) + if k % 2 == 0 { principal } else { -principal })
     }
 
-    /// Reverse of the cosine: the angles in `known` whose cosine is in `self`.
+    /// Reverse of the cosine: interval around the angles in `known` whose cosine is in `self`.
     pub fn cos_rev(self, known: Interval) -> Interval {
         let principal = self.acos();
         // Branch k of the inverse cosine is [kπ, (k + 1)π]; the cosine falls on even branches and rises on odd ones.
@@ -71,13 +71,13 @@ impl Interval {
         })
     }
 
-    /// Reverse of the tangent: the angles in `known` whose tangent is in `self`.
+    /// Reverse of the tangent: interval around the angles in `known` whose tangent is in `self`.
     pub fn tan_rev(self, known: Interval) -> Interval {
         let principal = self.atan();
         periodic_reverse(principal, known, 0.5, |k| pi_times(k) + principal)
     }
 
-    /// Reverse of the product: the factors x in `known` for which x · y is in `self` for some member y of `factor`.
+    /// Reverse of the product: interval around the factors x in `known` for which x · y is in `self` for some member y of `factor`.
     #[inline]
     pub fn mul_rev(self, factor: Interval, known: Interval) -> Interval {
         let (first, second) = self.div2(factor);
@@ -116,20 +116,21 @@ fn pi_times(k: i64) -> Interval {
     }
 }
 
-/// Reverse of an even function: the operands in `known` whose absolute value is in `magnitude`.
+/// Reverse of an even function: interval around the operands in `known` whose absolute value is in `magnitude`.
 #[inline]
 fn even_reverse(magnitude: Interval, known: Interval) -> Interval {
     magnitude.intersect(known).hull((-magnitude).intersect(known))
 }
 
-/// Hull of those branches of a periodic function's inverse that meet `known`. Branch k lies in [(k − offset)π, (k + 1 − offset)π] and moves up
-/// with k.
+/// Narrows `known` to the values that a periodic function's inverse can have. The inverse has one branch for each integer k, an interval within [(k
+/// − offset)π, (k + 1 − offset)π], given by `branch`. The result is the hull of what these branches have in common with `known`.
 fn periodic_reverse(principal: Interval, known: Interval, offset: f64, branch: impl Fn(i64) -> Interval) -> Interval {
     if principal.is_empty() || known.is_empty() {
         return Interval::EMPTY;
     }
     let index = |x: f64| (x / std::f64::consts::PI + offset).floor() as i64;
-    // One index of slack covers the rounding of the quotient, a second one the gap between two branches.
+    // For each end of `known` the branches around the computed index are tried, from one further outside to two further inside: one on either side
+    // because the quotient is rounded, and one more inside because the end may lie in the gap between two branches.
     let lo = if known.lo.abs() > LARGEST_PERIODIC {
         Some(known.lo)
     } else {
@@ -161,8 +162,8 @@ fn is_narrower(a: Interval, b: Interval) -> bool {
 fn exact_difference(x: f64, y: f64) -> (f64, f64) {
     let difference = x - y;
     if difference.is_infinite() {
-        // Of a difference that overflows, the infinite first number is larger than any width that does not, and the second number still orders
-        // such differences.
+        // Where a difference overflows, the returned pair still compares rightly: its first number is infinite, hence larger than that of any
+        // difference that does not overflow, and its second number orders those that do.
         let (half, error) = exact_difference(0.5 * x, 0.5 * y);
         return (f64::INFINITY, half + error);
     }

@@ -14,14 +14,15 @@ const REGULAR: f64 = f64::from_bits((1023 - 960) << 52);
 /// Magnitude below which sums are exact: below 2⁻¹⁰²¹ every multiple of 2⁻¹⁰⁷⁴ is a double, hence every sum of doubles is exact.
 const EXACT_SUM: f64 = 2.0 * f64::MIN_POSITIVE;
 
-/// Whether the fast step to the neighbouring double is valid for a number: false for tiny numbers, infinities and NaN.
+/// Whether the fast way to a number's neighbouring doubles (adding or subtracting φ times its absolute value) is valid: false for tiny numbers,
+/// infinities and NaN.
 #[inline(always)]
 pub(super) fn is_regular(nearest: f64) -> bool {
     (nearest.abs() >= REGULAR) & (nearest.abs() < f64::INFINITY)
 }
 
-/// Whether the fast step to the neighbouring double is valid for both ends of an interval; one subtraction detects infinities and NaN in either
-/// end.
+/// Whether the fast way to the neighbouring doubles (adding or subtracting φ times the absolute value) is valid for both ends of an interval; one
+/// subtraction detects infinities and NaN in either end.
 #[inline(always)]
 pub(super) fn are_regular(lo: f64, hi: f64) -> bool {
     let (below, above) = (lo.abs(), hi.abs());

@@ -194,7 +194,8 @@ fn rounded_down(bound: f64, n_decimals: usize) -> String {
     }
     let step = 10f64.powi(-i32::try_from(n_decimals).unwrap_or(i32::MAX));
     let is_below = |text: &String| enclose_number(text).is_some_and(|read| read.hi <= bound);
-    // Rounded to nearest, the text may be above the bound. One step lower it cannot be, unless the step is too small to change the bound.
+    // Rounded to the nearest decimal, the text may be above the bound. Written from one unit of the last decimal lower it cannot be, unless that
+    // unit is too small to change the bound.
     let candidates = [bound, bound - step, bound - 2.0 * step].map(|value| format!("{value:.n_decimals$}"));
     candidates.into_iter().find(is_below).unwrap_or_else(|| lower_text(bound))
 }

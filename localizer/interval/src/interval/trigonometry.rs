@@ -30,7 +30,8 @@ impl Interval {
         self.wave(pxfm::f_cos, 1)
     }
 
-    /// Sine or cosine of the members. The wave is highest where quadrant 0 of the shifted argument ends, and lowest where quadrant 2 ends.
+    /// Sine (`shift` 0) or cosine (`shift` 1) of the members. With the argument shifted by that many quadrants both are the sine, which is highest
+    /// at the end of quadrant 0 and lowest at the end of quadrant 2.
     #[inline]
     fn wave(self, function: impl Fn(f64) -> f64, shift: u32) -> Interval {
         const FULL: Interval = Interval::from_bounds(-1.0, 1.0);
@@ -189,8 +190,9 @@ fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
     if y.hi == 0.0 && x.hi <= 0.0 {
         return Interval::PI;
     }
-    // The lowest direction is that of a corner on the box's right side, the highest that of a corner on its left side. Which of the two corners
-    // depends on the side of the y axis.
+    // The box lies in y ≥ 0 (x to the right, y up). The least angle is that of a corner on its right side: the lower corner where that side has x >
+    // 0, else the upper one. The greatest angle is that of a corner on its left side: the upper corner where that side has x ≥ 0, else the lower
+    // one.
     let lo = if x.hi > 0.0 { angle_down(y.lo, x.hi) } else { angle_down(y.hi, x.hi) };
     let hi = if x.lo >= 0.0 { angle_up(y.hi, x.lo) } else { angle_up(y.lo, x.lo) };
     Interval::from_bounds(lo.max(0.0), hi)
@@ -199,7 +201,8 @@ fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
 #[inline]
 fn angle_down(y: f64, x: f64) -> f64 {
     let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
-    // A tiny angle may have underflowed to zero from either side, so only an angle that is exactly zero stays zero.
+    // An angle computed as zero may be a tiny one that underflowed. So only an angle that is exactly zero (y = 0 and x ≥ 0) is returned as zero;
+    // any other result is moved outward.
     if y == 0.0 && x >= 0.0 { 0.0 } else { down_twice(nearest).max(-PI_UP) }
 }
 

@@ -10,12 +10,13 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::{Corner, homography};
 
-/// Standard deviation of the smoothing before saddle points are searched: larger than the grain of sensor noise, smaller than a square.
+/// Standard deviation, in pixels, of the smoothing of the image before saddle points are searched in it: larger than the grain of sensor noise,
+/// smaller than a square.
 const SMOOTHING_PX: f32 = 1.5;
 /// Half width, in pixels, of the neighbourhood in which a saddle point has to be the strongest one.
 const APART_PX: usize = 5;
-/// Half width of the window that refines a corner, and the standard deviation of the weights in it: the other corners of the nearest squares stay
-/// outside.
+/// Half width, in pixels, of the window in which the position of a corner is refined, and the standard deviation of the weights in it: the other
+/// corners of the nearest squares stay outside.
 const REACH_PX: i64 = 6;
 const WEIGHT_PX: f64 = 2.5;
 const MOST_STEPS: usize = 30;
@@ -68,7 +69,7 @@ fn saddles(smooth: &Picture) -> Vec<(f32, [f64; 2])> {
         let here = strengths[v * width + u];
         let mut around =
             (v - APART_PX..=v + APART_PX).flat_map(|v| (u - APART_PX..=u + APART_PX).map(move |u| v * width + u));
-        // Of neighbouring saddle points with equal strength the last one counts.
+        // Of neighbouring saddle points with equal strength the last one in the order of pixels is kept.
         if here > 0.0
             && around.all(|other| strengths[other] < here || (strengths[other] == here && other <= v * width + u))
         {
@@ -159,7 +160,7 @@ fn hull(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
 fn widest_quadrilateral(hull: &[[f64; 2]]) -> Option<[[f64; 2]; 4]> {
     let mut widest: Option<(f64, [[f64; 2]; 4])> = None;
     for (i, k) in (0..hull.len()).flat_map(|i| (i + 2..hull.len()).map(move |k| (i, k))) {
-        // On either side of the diagonal, the corner farthest from it gives the quadrilateral of greatest area.
+        // Given the diagonal from corner i to corner k, the corner farthest from it on either side gives the quadrilateral of greatest area.
         let farthest = |range: &mut dyn Iterator<Item = usize>| {
             let area = |j: usize| twice_area(hull[i], hull[k], hull[j]).abs();
             range.map(|j| (area(j), j)).max_by(|a, b| a.0.total_cmp(&b.0))

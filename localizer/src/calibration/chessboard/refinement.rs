@@ -1,7 +1,8 @@
 //! Least-squares refinement of intrinsics and board poses together.
 //!
-//! Each view's pose affects only the view's own corners: with U the block of the intrinsics, Vᵢ that of view i and Wᵢ the one between them, the
-//! step of the intrinsics solves (U − Σ WᵢVᵢ⁻¹Wᵢᵀ) δ = a − Σ WᵢVᵢ⁻¹bᵢ, and the step of each pose follows.
+//! Each view's pose affects only the view's own corners: with U the block of the normal equations for the intrinsics, Vᵢ that for the pose of view
+//! i, Wᵢ the one between them, and a and bᵢ their right-hand sides, the step δ of the intrinsics solves (U − Σ WᵢVᵢ⁻¹Wᵢᵀ) δ = a − Σ WᵢVᵢ⁻¹bᵢ, and
+//! the step of each pose follows from δ.
 
 use nalgebra::{Matrix2x3, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
 
@@ -9,7 +10,7 @@ use super::{Bend, Calibration, Corner, Intrinsics, View};
 
 /// Number of intrinsics: fx, fy, cx, cy, k1, k2, p1, p2.
 const N_INTRINSICS: usize = 8;
-/// Index of the tangential lens coefficient p1 among the intrinsics; p2 follows.
+/// Index of the tangential lens coefficient p1 in the list of intrinsics (fx, fy, cx, cy, k1, k2, p1, p2).
 const TANGENTIAL: usize = 6;
 /// Parameters of a pose's step: a small turn about the camera's axes, and a shift.
 const N_POSE: usize = 6;
@@ -77,7 +78,7 @@ impl Normal {
                     by_camera.fixed_columns_mut::<2>(TANGENTIAL).fill(0.0);
                 }
                 let residual = Vector2::from(*pixel) - image;
-                // A small turn w of the board moves the point by w × turned, the vector product with the point's rotated position.
+                // A small turn by the rotation vector w moves a point of the board by w × turned, where `turned` is the point's rotated position.
                 let mut by_pose = SMatrix::<f64, 2, N_POSE>::zeros();
                 by_pose.fixed_columns_mut::<3>(0).copy_from(&(by_point * -turned.cross_matrix()));
                 by_pose.fixed_columns_mut::<3>(3).copy_from(&by_point);
@@ -91,7 +92,8 @@ impl Normal {
             normal.views.push((own, between, right));
         }
         if bend == Bend::Radial {
-            // With their derivatives set to 0, the lens coefficients p1 and p2 do not change; ones on the diagonal keep the equations regular.
+            // The lens coefficients p1 and p2 are not solved for: their derivatives are set to 0, so that they do not change, and ones on the
+            // diagonal keep the equations solvable.
             (TANGENTIAL..N_INTRINSICS).for_each(|k| normal.intrinsic[(k, k)] = 1.0);
         }
         normal

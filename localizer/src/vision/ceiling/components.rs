@@ -5,7 +5,7 @@
 pub(super) struct Component {
     pub(super) area_px: usize,
     pub(super) centre_px: [f64; 2],
-    /// Standard deviations of the area's pixels along its long and its short axis.
+    /// Standard deviations of the pixels of the bright area along its long and its short axis.
     pub(super) axes_px: [f64; 2],
 }
 
@@ -16,7 +16,7 @@ impl Component {
     }
 }
 
-/// All connected areas of the set pixels of a binary mask, without areas of more than `most_px` pixels. Clears the mask.
+/// Finds all connected areas of set pixels in a binary mask, except those of more than `most_px` pixels. All pixels of the mask are unset afterwards.
 pub(super) fn components(mask: &mut [bool], width: usize, most_px: usize) -> Vec<Component> {
     let mut found = Vec::new();
     let mut stack = Vec::new();
@@ -51,7 +51,7 @@ pub(super) fn components(mask: &mut [bool], width: usize, most_px: usize) -> Vec
 struct Moments {
     count: usize,
     first: [f64; 2],
-    /// Sums of u², v² and u·v over the area's pixels.
+    /// Sums of u², v² and u·v over the pixels of a bright area, counted from the area's first pixel.
     second: [f64; 3],
 }
 

@@ -5,8 +5,8 @@ use image::GrayImage;
 use super::components::{Component, components};
 use super::{CeilingView, Dot, PictureMotion};
 
-/// Width of the soft edge of a marker dot's image beyond the dot's radius. The little light farther out lies on all
-/// sides alike and does not shift the centroid.
+/// Width of the soft edge of a marker dot's image beyond the dot's radius. The little light that falls farther out is equally strong on all sides of
+/// the dot, so that leaving it out does not shift the centroid.
 const SOFT_PX: f64 = 1.8;
 /// Width of the ring around a marker dot's soft edge, from which the background's grey level is estimated.
 const RING_PX: f64 = 1.8;
@@ -15,16 +15,17 @@ const LEAST_STEP: f64 = 14.0;
 /// A marker dot whose centroid has a greater error bound than this is discarded.
 const WORST_BOUND_PX: f64 = 0.5;
 
-/// Contributions to the error bound of a marker dot's centroid: a constant in pixels, and a multiple of the standard deviation of its noise.
+/// Contributions to the error bound of a marker dot's centroid: a constant in pixels, and a multiple of the standard deviation that the image's noise
+/// gives to the centroid.
 const FLOOR_PX: f64 = 0.008;
 const SIGMAS: f64 = 5.5;
-/// Growth of the error bound of a dot's centroid with structure in the background: in pixels per pixel of the dot's
-/// radius, where structure is a share of the dot's grey level.
+/// Growth of the error bound of a dot's centroid with structure in the background, such as a lamp's edge: in pixels per pixel of the dot's radius,
+/// where structure is what the grey levels around the dot vary beyond noise, as a share of the dot's grey level.
 const PER_STRUCTURE: f64 = 1.5;
-/// Growth of the error bound of a dot's centroid in pixels, for a dot whose whole area is clipped at white.
+/// Growth of the error bound of a dot's centroid, in pixels, with the share of the dot's area that is clipped at white: this value if all of it is.
 const PER_CLIPPED: f64 = 0.15;
-/// Growth of the error bound of a dot's centroid per pixel of image motion, and per pixel by which motion makes the
-/// soft edges of neighbouring dots overlap.
+/// Two contributions to the error bound of a dot's centroid: per pixel of image motion, and per pixel by which motion makes the soft edges of
+/// neighbouring dots overlap.
 const PER_MOTION: f64 = 0.006;
 const PER_OVERLAP: f64 = 0.03;
 
@@ -33,7 +34,8 @@ pub fn detect(image: &GrayImage, view: &CeilingView, motion: &PictureMotion) -> 
     let width = image.width() as usize;
     let [least_px, most_px] = view.dot_radius_px;
     let noise = noise_grey(image);
-    // The averaging window is about as wide as two pitches of a marker's grid, so that the marker's own dots cover less than a quarter of it.
+    // The window over which the surroundings' mean grey level is taken is about as wide as two pitches of a marker's grid, so that the marker's own
+    // dots cover less than a quarter of it.
     let half = (4.0 * 0.5 * (least_px + most_px)).round().max(5.0) as usize;
     let mut mask = brighter_than_surroundings(image, half, LEAST_STEP.max(5.0 * noise));
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
@@ -63,12 +65,14 @@ fn length([u, v]: [f64; 2]) -> f64 {
     u.hypot(v)
 }
 
-/// A measured marker dot whose error bound is not known yet, with the quantities that the bound is computed from.
+/// A marker dot whose centroid has been measured, with the quantities from which the centroid's error bound is computed later.
 struct Measured {
     dot: Dot,
-    /// Sum of squares of the residuals of the background's grey level around a dot, and their number (in degrees of freedom).
+    /// Sum of squares of what a fitted plane leaves of the background's grey levels around a dot, and their number less that of the fitted parameters
+    /// (degrees of freedom).
     ring: [f64; 2],
-    /// Sum over the window around a dot of the squared distances from its centroid along an axis, without weights and weighted with the grey level.
+    /// Sum over the pixels around a dot of the squared distance from its centroid, counted along one image axis: once as it is, once with each pixel
+    /// weighted by its grey level above the background.
     window_moment: f64,
     grey_moment: f64,
     clipped_share: f64,
@@ -82,7 +86,8 @@ impl Measured {
         let noise_px = variance.sqrt() / dot.flux;
         let own_ring = (self.ring[0] / self.ring[1].max(1.0)).sqrt();
         let structure = (own_ring - 1.6 * ring_noise).max(0.0) / dot.level;
-        // The rims of two neighbouring dots of a marker are two radii apart.
+        // The rims of two neighbouring dots of a marker are two radii apart; where soft edges and motion together are wider, the dots' light
+        // overlaps.
         let overlap = (2.0 * SOFT_PX + motion - 2.0 * view.dot_radius_px[0]).clamp(0.0, motion);
         // The centre of the ellipse as which a circle is seen is not the image of the circle's centre: they differ by r²/f times the slope
         // of the ray against the ceiling's normal.
@@ -98,7 +103,8 @@ impl Measured {
     }
 }
 
-/// All points within a radius of a line segment through the origin: the area over which a moving dot spreads its light during the exposure.
+/// The area over which a moving dot spreads its light during the exposure: all points within the dot's radius of a line segment, whose middle is the
+/// origin.
 struct Track {
     radius_px: f64,
     /// Half of the dot's motion over the exposure: its length and its direction.
@@ -117,7 +123,7 @@ impl Track {
         Track { radius_px: self.radius_px + by_px, ..*self }
     }
 
-    /// First and last column and row of the pixels that a moving dot's track covers when it is centred at `centre_px`.
+    /// First column and row, and last column and row, of the pixels that a moving dot's track covers when it is centred at `centre_px`.
     fn extent(&self, centre_px: [f64; 2]) -> [[f64; 2]; 2] {
         let reach = [0, 1].map(|axis| self.radius_px + self.half_px * self.direction[axis].abs());
         [
@@ -140,7 +146,8 @@ impl Track {
     }
 }
 
-/// Measures the intensity-weighted centroid of a dot over its track. Intensities count from a plane through the ring of background around the track.
+/// Measures the centroid of a dot over the track of its motion. A pixel's weight is its grey level above a plane that is fitted to the ring of
+/// background around the track.
 fn measure(image: &GrayImage, component: &Component, view: &CeilingView, motion_px: [f64; 2]) -> Option<Measured> {
     let motion = motion_px[0].hypot(motion_px[1]);
     // The area of the track of a dot of radius r with motion m is π r² + 2 r m.
@@ -159,7 +166,7 @@ fn measure(image: &GrayImage, component: &Component, view: &CeilingView, motion_
     last
 }
 
-/// Background around a dot as a plane of grey levels, b + gu·du + gv·dv.
+/// Background around a dot as a plane of grey levels, b + gu·du + gv·dv at the distance (du, dv) from the dot's centre.
 struct Plane {
     coefficients: [f64; 3],
     squares: f64,
@@ -198,7 +205,8 @@ fn ring_plane(image: &GrayImage, centre_px: [f64; 2], window: &Track) -> Option<
     Some(Plane { coefficients, squares, count: ring.len() as f64 - 3.0 })
 }
 
-/// One iteration of the centroid, with the window centred at `centre_px`. The window's edge is soft, so that no pixel enters or leaves it abruptly.
+/// One iteration towards the centroid of a dot: the mean position of the light in a window that is centred at `centre_px`, the previous estimate. The
+/// window's edge is soft, so that no pixel enters or leaves it abruptly.
 fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) -> Option<Measured> {
     let [base, slope_u, slope_v] = plane.coefficients;
     let (mut flux, mut first, mut clipped) = (0.0, [0.0; 2], 0.0);
@@ -256,8 +264,8 @@ fn for_track(image: &GrayImage, centre_px: [f64; 2], track: &Track, mut visit: i
     }
 }
 
-/// Standard deviation from several samples, each given as a sum of squares and a count. It takes the median of the
-/// samples, so that a few disturbed ones do not matter.
+/// Standard deviation of noise, from several groups of values that are each given as a sum of squares and a count. The median of the groups' mean
+/// squares is used, so that a few disturbed groups do not matter.
 fn pooled(samples: impl Iterator<Item = [f64; 2]>) -> f64 {
     let mut squares: Vec<f64> = samples.filter(|sample| sample[1] > 0.0).map(|sample| sample[0] / sample[1]).collect();
     squares.sort_by(f64::total_cmp);
@@ -283,7 +291,7 @@ fn noise_grey(image: &GrayImage) -> f64 {
     (median.unwrap_or(0) as f64 + 0.5) / 0.954
 }
 
-/// Marks the pixels that are brighter by `step` than the mean over the square of 2·half + 1 pixels' side around them.
+/// A mask of the pixels that are brighter, by more than `step`, than the mean over the square around them, whose side has 2·half + 1 pixels.
 fn brighter_than_surroundings(image: &GrayImage, half: usize, step: f64) -> Vec<bool> {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let pixels = image.as_raw();

@@ -14,15 +14,16 @@ use crate::markers::{EMPTY_CORNER, GRID, GridPlace, MarkerId};
 const OFF_GRID: f64 = 0.2;
 /// A dot counts as part of a marker up to this distance beyond the edge of the marker's grid, in pitches.
 const MARGIN: f64 = 0.6;
-/// Greatest relative difference of a marker dot's flux (summed grey levels) from the median flux of its marker's dots.
+/// Greatest relative difference of a dot's flux (summed grey levels) from the median flux of its marker's dots; with a greater one the marker is
+/// refused.
 const FLUX_SPREAD: f64 = 0.3;
-/// Up to this share, a difference of a dot's flux from the marker's median may come from light that falls off over the marker; a greater
-/// difference means that part of the dot's area is missing.
+/// Up to this share, a difference of a dot's flux (summed grey levels) from the median of its marker may come from light that falls off over the
+/// marker. A greater difference is taken to mean that part of the dot's area is missing.
 const UNEVEN_FLUX: f64 = 0.04;
-/// Up to this share, a difference of a dot's flux from the flux that the marker's other dots predict is noise. For a radius of 4 pixels it
-/// shifts the centroid by less than a hundredth of a pixel.
+/// Up to this share, a difference of a dot's flux (summed grey levels) from the flux that the marker's other dots predict is taken for noise and does
+/// not widen the dot's bound. For a radius of 4 pixels such a difference shifts the centroid by less than a hundredth of a pixel.
 const FLUX_NOISE: f64 = 0.0015;
-/// A grid place without a dot must not be brighter, above its background, than this share of the dots' grey level.
+/// A place of the marker's grid that has no dot must not be brighter, above its background, than this share of the dots' grey level.
 const EMPTY_LEVEL: f64 = 0.3;
 /// Greatest distance of a marker dot from the best-fitting affine grid, in addition to the dots' error bounds and the effect of perspective.
 const MISFIT_PX: f64 = 0.12;
@@ -45,8 +46,8 @@ pub fn read(image: &GrayImage, dots: &[Dot], view: &CeilingView, is_word: &[bool
                 members.iter().for_each(|index| taken[*index] = true);
             }
             Some(_) => found.rejected_px.push([x[0], x[1], y[0], y[1]]),
-            // Most triples of dots are no corners of a marker. A triple with a right angle at O may be a damaged
-            // marker, so it is recorded as rejected.
+            // Most triples of dots are no corners of a marker and are passed over silently. Only a triple with a right angle at its middle dot O may
+            // be a damaged marker and is recorded as rejected.
             None if is_square(o, x, y) => found.rejected_px.push([x[0], x[1], y[0], y[1]]),
             None => {}
         }
@@ -63,10 +64,11 @@ fn is_square(o: [f64; 2], x: [f64; 2], y: [f64; 2]) -> bool {
     (a[0] * b[0] + a[1] * b[1]).abs() < 0.1 * norm(a) * norm(b)
 }
 
-/// Triples of dots O, X, Y that may be the corners of a marker: both sides are three pitches long and at right angles, as far as perspective allows.
+/// Triples of dots that may be three corners of a marker: O at the right angle, X and Y at the ends of the two sides. Both sides are three pitches
+/// long and at right angles, as far as perspective allows.
 ///
-/// Which of the two dots is X follows from the sense of rotation: seen from below, the turn from X to Y is clockwise, which is a positive
-/// cross product with v down (Eq. 4 of the paper decides this at random, erratum I2).
+/// Which of the two end dots is X follows from the sense of rotation: seen from below, the turn from side OX to side OY is clockwise, which is a
+/// positive cross product with v down (Eq. 4 of paper 5 gives the wrong axis for half of all headings, erratum I2).
 fn corner_triples(dots: &[Dot], view: &CeilingView) -> Vec<[usize; 3]> {
     // A pitch of the marker's grid is four dot radii, and a side is three pitches long.
     let side_px = [0, 1].map(|end| 12.0 * view.dot_radius_px[end]);
@@ -92,7 +94,8 @@ fn corner_triples(dots: &[Dot], view: &CeilingView) -> Vec<[usize; 3]> {
     triples
 }
 
-/// The marker that has these three corner dots, and the indices of the dots that form it; `None` if anything about it is doubtful.
+/// Reads the marker whose corner dots O, X, Y are given by their indices; also returns the indices of all dots that form the marker. `None` if
+/// anything about it is doubtful.
 fn read_grid(
     image: &GrayImage,
     dots: &[Dot],
@@ -148,12 +151,12 @@ fn read_grid(
     Some((SeenMarker { id, dots: grown, confidence }, members.into_iter().map(|(_, index)| index).collect()))
 }
 
-/// Widens the bounds of a marker's dots for area that may be missing from them. A dot that lacks a share s of its area may have its
-/// centroid off by up to r·s/(1 − s), because no part of the dot is farther than r from its centre.
+/// Widens the bounds of a marker's dots for area that may be missing from a dot, for example because it is scratched. A dot that lacks a share s of
+/// its area may have its centroid off by up to r·s/(1 − s), because no part of the dot is farther than its radius r from its centre.
 ///
-/// Light falls off evenly over a marker, so that a plane through the other dots' fluxes predicts the flux of a whole dot: with the residual
-/// e from the plane through all dots and the leverage h, the dot's flux differs by e/(1 − h) from that prediction. The deficit of a single
-/// damaged dot is found in full; such a dot makes the bounds of the other dots wider, never narrower.
+/// Light falls off evenly over a marker, so that a plane through the fluxes (summed grey levels) of the other dots predicts the flux of a whole dot:
+/// with the residual e from the plane through all dots and the leverage h, the dot's flux differs by e/(1 − h) from that prediction. If a single dot
+/// is damaged, its missing flux is found in full; it makes the bounds of the other dots wider, never narrower.
 fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
     let row = |place: GridPlace| nalgebra::Vector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
     let (mut normal, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
@@ -166,13 +169,14 @@ fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
     let foretold = |place: GridPlace, flux: f64| {
         let row = row(place);
         let leverage = (row.transpose() * inverse * row)[0];
-        // A plane through three dots fits any fluxes, so that only the median flux can show a damaged dot.
+        // A plane through the fluxes of three dots fits any values, so that only a comparison with the median flux can show a damaged dot.
         if leverage > 0.95 { None } else { Some(flux - (flux - row.dot(&plane)) / (1.0 - leverage)) }
     };
     let usual = median(dots.iter().map(|(_, dot)| dot.flux));
     let grown = |(place, dot): &(GridPlace, Dot)| {
         let whole = foretold(*place, dot.flux).filter(|flux| *flux > 0.0).unwrap_or(usual);
-        // If a whole row of dots is damaged, the plane does not show it, but the median flux does.
+        // If a whole row of the marker's dots is damaged, the plane through their fluxes does not show it, but a comparison with the median flux
+        // does.
         let from_usual = (1.0 - dot.flux / usual).abs();
         let unusual = if from_usual > UNEVEN_FLUX { from_usual } else { 0.0 };
         let share = ((1.0 - dot.flux / whole).abs() - FLUX_NOISE).max(unusual).clamp(0.0, 0.9);
@@ -181,7 +185,7 @@ fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
     dots.iter().map(grown).collect()
 }
 
-/// Whether the dots lie on one affine grid, within their error bounds and the perspective of a leaning camera.
+/// Whether a marker's dots lie on one affine grid, within their error bounds and what the perspective of a leaning camera adds.
 fn fits_grid(dots: &[(GridPlace, Dot)], view: &CeilingView) -> bool {
     if dots.len() == 3 {
         return true;

@@ -1,7 +1,8 @@
-//! Paper 5's own chain: reads the marker nearest to the middle of the image by distances and angles between its dots.
+//! Paper 5's own processing chain for ceiling markers: it reads the marker nearest to the middle of the image by distances and angles between its
+//! dots.
 //!
-//! It deviates from the paper where the printed formulas cannot work: X and Y are distinguished by the sign of a cross product (erratum
-//! I2), and the weight matrix is Q (erratum I1).
+//! It deviates from the paper where the printed formulas cannot work: the corner dots X and Y are distinguished by the sign of a cross product
+//! (erratum I2), and the weights of the grid places in the identity are those of the matrix Q (erratum I1).
 
 use image::GrayImage;
 use imageproc::distance_transform::Norm;
@@ -15,21 +16,21 @@ use crate::markers::{GridPlace, MarkerId};
 const EROSION_PX: u8 = 1;
 /// Greatest ratio of a bright blob's long axis to its short one with which it may be a dot of a marker; the image of a fluorescent tube has more.
 const LARGEST_ASPECT: f64 = 2.0;
-/// Tolerances of Eqs. (7) and (8), by which marker dots are assigned to grid places: of the angle about 90°, and of the
-/// relative distance about 1/3, 2/3 and 1.
+/// Tolerances of Eqs. (7) and (8) of paper 5, by which marker dots are assigned to grid places: of the angle about 90°, and of the distance about
+/// 1/3, 2/3 and 1 of the marker's side.
 const ANGLE_RAD: f64 = 0.2;
 const AMPLITUDE: f64 = 0.1;
 
-/// A marker as the chain of paper 5 reads it.
+/// A marker as the processing chain of paper 5 reads it: identity, dots and confidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperMarker {
-    /// Identity of the marker by Eq. (9).
+    /// Identity of the marker by Eq. (9) of paper 5.
     pub id: MarkerId,
-    /// Centroids of the marker's direction dots X, O and Y.
+    /// Centroids of the marker's three corner dots X, O and Y, which give its direction: O is at the right angle.
     pub direction_dots_px: [[f64; 2]; 3],
-    /// Places on the grid and centroids of all dots that lie on the marker's grid.
+    /// All dots that lie on the marker's grid: their places on the grid, and their centroids.
     pub dots_px: Vec<(GridPlace, [f64; 2])>,
-    /// Confidence P(S) of the marker, Eq. (3).
+    /// Confidence P(S) of the marker by Eq. (3) of paper 5.
     pub confidence: f64,
 }
 
@@ -45,10 +46,11 @@ pub fn detect_all(image: &GrayImage, dot_radius_px: f64) -> Vec<PaperMarker> {
     dots.regions.iter().filter_map(|region| read(image, &dots.of_region(region), dot_radius_px)).collect()
 }
 
-/// Middles of the bright areas that may be dots, and of the regions that they grow into by dilation.
+/// Centres of the bright areas of an image that may be dots, and centres of the regions into which neighbouring dots grow together when each is
+/// dilated.
 struct Dots {
     centres_px: Vec<[f64; 2]>,
-    /// Middles of the dilated regions, the one nearest to the middle of the image first.
+    /// Centres of the regions into which dots have grown together by dilation, the one nearest to the middle of the image first.
     regions: Vec<[f64; 2]>,
 }
 
@@ -70,7 +72,7 @@ impl Dots {
         };
         let mut regions = centres(&dilated);
         regions.sort_by(|a, b| norm(minus(*a, middle)).total_cmp(&norm(minus(*b, middle))));
-        // The paper's step "image and": dots are assigned to the region that they have grown into.
+        // The paper's step "image and": each dot is assigned to the region that it has grown into, here to the region with the nearest centre.
         Dots { centres_px: centres(&eroded), regions }
     }
 
@@ -83,7 +85,7 @@ impl Dots {
     }
 }
 
-/// Reads the marker that these dots belong to.
+/// Reads the marker that the dots with these centres form.
 fn read(image: &GrayImage, centres: &[[f64; 2]], dot_radius_px: f64) -> Option<PaperMarker> {
     let [x, o, y] = direction_dots(centres)?;
     let dots_px = places(centres, o, y, minus(x, o));
@@ -118,8 +120,8 @@ fn without_clutter(bright: &GrayImage, dot_radius_px: f64) -> GrayImage {
     kept
 }
 
-/// Finds the direction dots X, O and Y: A and B are the two dots farthest apart, and O is the dot farthest from their middle. X and Y are
-/// named so that the turn from X to Y is clockwise in the image.
+/// Finds the marker's corner dots X, O and Y, which give its direction. X and Y are the two dots farthest apart, and O is the dot farthest from the
+/// middle between these two. X and Y are named so that the turn from OX to OY is clockwise in the image.
 fn direction_dots(dots: &[[f64; 2]]) -> Option<[[f64; 2]; 3]> {
     let pairs = dots.iter().enumerate().flat_map(|(idx, a)| dots[..idx].iter().map(move |b| (*a, *b)));
     let (a, b) = pairs.max_by(|(a, b), (c, d)| norm(minus(*a, *b)).total_cmp(&norm(minus(*c, *d))))?;
@@ -129,8 +131,8 @@ fn direction_dots(dots: &[[f64; 2]]) -> Option<[[f64; 2]; 3]> {
     Some(if cross(minus(a, o), minus(b, o)) > 0.0 { [a, o, b] } else { [b, o, a] })
 }
 
-/// Places of the dots on the grid by Eqs. (6) to (8): from each of the points O, M, N and Y, dots are searched at a right angle to OY, a
-/// third, two thirds and a whole side away.
+/// Assigns dots to places of the marker's grid by Eqs. (6) to (8) of paper 5. O and Y are two corners of the grid, and M and N divide the side OY in
+/// thirds. From each of these four points, dots are searched at a right angle to OY, a third, two thirds and a whole side away.
 fn places(dots: &[[f64; 2]], o: [f64; 2], y: [f64; 2], ox: [f64; 2]) -> Vec<(GridPlace, [f64; 2])> {
     let oy = minus(y, o);
     let mut places = Vec::new();

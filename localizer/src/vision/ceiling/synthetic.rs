@@ -19,7 +19,7 @@ pub(crate) struct Eye {
 }
 
 impl Eye {
-    /// A camera with the paper's matrix K that looks straight up from the origin; image up points along `heading_rad`.
+    /// A camera with the calibration matrix K of paper 5 that looks straight up from the origin; image up points along `heading_rad`.
     pub(crate) fn upright(heading_rad: f64) -> Eye {
         let (sin, cos) = heading_rad.sin_cos();
         let forward = Vector3::new(cos, sin, 0.0);
@@ -61,7 +61,7 @@ pub(crate) struct Pasted {
     pub(crate) height_m: f64,
     /// Whether the marker is mirrored, as if printed on the wrong side of the film.
     pub(crate) is_mirrored: bool,
-    /// Dots that are missing, and dots of which a share of the width is scratched off at the right.
+    /// Dots that are missing from the marker, and dots that are scratched: a share of each one's width is removed at the right.
     pub(crate) missing: Vec<GridPlace>,
     pub(crate) scratched: Vec<(GridPlace, f64)>,
     /// Grey level of the marker's dots above the background; grey levels above white are clipped.
@@ -97,7 +97,7 @@ impl Pasted {
     }
 }
 
-/// Something bright that is no marker: a four-cornered patch (a fluorescent tube, a window) or a round one.
+/// Something bright on the ceiling that is no marker: a four-cornered patch (a fluorescent tube, a window) or a disc (a round lamp).
 #[derive(Clone, Debug)]
 pub(crate) enum Clutter {
     Patch { corners_px: [[f64; 2]; 4], grey: f64 },
@@ -157,7 +157,8 @@ impl Ceiling {
         })
     }
 
-    /// Adds one dot as a cloud of points of equal area, each blurred to a Gaussian. It is exact but for the finite number of points.
+    /// Adds the light of one marker dot to the image: a cloud of points of equal area, each blurred to a Gaussian. Only the finite number of points
+    /// makes the result inexact.
     fn add_dot(&self, marker: &Pasted, place: GridPlace, eye: &Eye, grey: &mut [f32]) {
         let cut = marker
             .scratched
@@ -260,7 +261,7 @@ impl Clutter {
                 }
                 Clutter::Patch { corners_px, grey } => (outside_px(corners_px, at), *grey),
             };
-            // The edge of a bright area is as soft as the lens makes it, with a halo of stray light around it.
+            // The edge of a bright tube, window or lamp is as soft as the lens makes it, with a halo of stray light around it.
             if distance < 30.0 {
                 let halo = if distance > 0.0 { 0.04 * (-distance / 8.0).exp() } else { 0.0 };
                 *value += (level * ((0.5 - distance / 1.5).clamp(0.0, 1.0) + halo)) as f32;

@@ -1,4 +1,4 @@
-//! Trials of the marker chains on synthetic ceilings: compares what is read and claimed with what is true.
+//! Trials of marker reading on synthetic images of ceilings: the markers read and the errors claimed for their dots are compared with the truth.
 
 use std::time::Instant;
 
@@ -9,17 +9,18 @@ use super::{CeilingView, PictureMotion, detect, paper};
 use crate::markers::{Coding, GridPlace, MarkerId};
 use crate::vision::synthetic::Random;
 
-/// Number of images of a trial; the environment variable `WHEREIN_CEILING_FRAMES` sets another number for a long trial.
+/// Number of synthetic images of a trial; the environment variable `WHEREIN_CEILING_FRAMES` sets another number for a long trial.
 pub(crate) fn frames(usual: usize) -> usize {
     std::env::var("WHEREIN_CEILING_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// Random seed of a trial, or that of the environment variable `WHEREIN_CEILING_SEED`; tuning and checking use different seeds.
+/// Random seed of a trial: `usual`, unless the environment variable `WHEREIN_CEILING_SEED` sets another, so that tuning and checking can use
+/// different seeds.
 pub(crate) fn seed(usual: u64) -> u64 {
     std::env::var("WHEREIN_CEILING_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// Results of a marker-reading chain over a number of synthetic images.
+/// Results of reading markers in a number of synthetic images.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) frames: usize,
@@ -29,9 +30,9 @@ pub(crate) struct Tally {
     /// Number of identities that were reported where no marker of that identity is.
     pub(crate) misread: usize,
     pub(crate) dots: usize,
-    /// Number of dots whose error is greater than their bound.
+    /// Number of dots whose error of position is greater than the bound claimed for it.
     pub(crate) false_dots: usize,
-    /// Greatest error of a dot in units of its bound; sums of the squared errors and of the bounds.
+    /// Greatest error of a dot's position in units of its claimed bound; sums of the squared errors and of the bounds.
     pub(crate) worst: f64,
     pub(crate) squares: f64,
     pub(crate) bounds: f64,
@@ -58,8 +59,8 @@ impl Tally {
         );
     }
 
-    /// Makes an image, reads its markers and compares them with the truth. Returns whether all markers in view were
-    /// read and everything reported is true.
+    /// Makes an image, reads its markers and compares them with the truth. Returns whether all markers in view were read, no wrong identity was
+    /// reported and every dot lies within its claimed bound.
     pub(crate) fn add(
         &mut self,
         ceiling: &Ceiling,
@@ -121,7 +122,8 @@ fn is_in_view(pasted: &Pasted, eye: &Eye, ceiling: &Ceiling) -> bool {
     })
 }
 
-/// Writes an image with the dots that were read to the folder named by the environment variable `WHEREIN_CEILING_SAVE`.
+/// Writes an image, with the dots that were read marked in it, to the folder that the environment variable `WHEREIN_CEILING_SAVE` names; without the
+/// variable nothing is written.
 pub(crate) fn save(name: &str, picture: &image::GrayImage, found: &super::CeilingMarkers) {
     let Ok(folder) = std::env::var("WHEREIN_CEILING_SAVE") else { return };
     let mut canvas =
@@ -210,7 +212,7 @@ pub(crate) fn random_clutter(ceiling: &Ceiling, eye: &Eye, random: &mut Random) 
     clutter
 }
 
-/// A random ceiling with everything that the nominal scenes may contain.
+/// A random ceiling with everything that the test scenes of ordinary rooms may contain: markers, lamps, windows, uneven light, noise and motion.
 pub(crate) fn random_ceiling(eye: &Eye, coding: Coding, random: &mut Random) -> Ceiling {
     let words = coding.identities();
     let hundred = &words[..words.len().min(100)];
@@ -227,7 +229,7 @@ pub(crate) fn random_ceiling(eye: &Eye, coding: Coding, random: &mut Random) -> 
     ceiling
 }
 
-/// Declared view of a camera that is this far below the ceiling.
+/// The values that the localizer is given about a camera that is `distance_m` below the ceiling; they allow 20 mm for the error of that distance.
 pub(crate) fn declared_view(distance_m: f64, lean: f64, ceiling: &Ceiling) -> CeilingView {
     CeilingView::new(755.0, [distance_m - 0.02, distance_m + 0.02], lean, ceiling.electrons / 128.0)
 }
@@ -267,8 +269,8 @@ mod tests {
         assert!(tally.read as f64 >= 0.999 * tally.in_view as f64);
     }
 
-    /// Reads an image of one damaged marker in its middle. Returns the marker's true identity and the one that was
-    /// read. Panics if a reported dot lies outside of its bound.
+    /// Makes and reads an image of one marker in the middle, damaged by `spoil`. Returns the marker's true identity and the one that was read. Panics
+    /// if a dot is reported farther from its true position than its bound, unless the marker is mirrored.
     fn read_spoilt(random: &mut Random, spoil: impl FnOnce(&mut Pasted, &mut Random)) -> (MarkerId, Option<MarkerId>) {
         let eye = random_eye(2.2, 0.005, random);
         let words = Coding::Hexads.identities();
@@ -368,8 +370,8 @@ mod tests {
             right += usize::from(found.map(|marker| marker.id) == ceiling.markers.first().map(|pasted| pasted.id));
         }
         println!("paper's chain: {right} of {n_frames}");
-        // The paper reads 192 markers of 200. Here, the dilated regions of one marker may fall apart, and the middle of
-        // a region is not that of the marker's grid.
+        // Paper 5 reports 192 of 200 markers read. On these synthetic images its chain reads fewer, because the dots of one marker may fall apart
+        // into several dilated regions, and the centre of a region is not that of the marker's grid.
         assert!(right as f64 >= 0.9 * n_frames as f64, "{right} of {n_frames}");
     }
 }

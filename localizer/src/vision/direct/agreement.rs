@@ -1,30 +1,31 @@
-//! Selects the tile joints that agree with each other as a grid: true joints are parallel or orthogonal, and parallel joints are whole pitches
-//! apart. Lines that are no joints rarely fit this.
+//! Selects the tile joints that agree with each other as a grid: true joints are parallel or orthogonal, and parallel joints are whole pitches apart.
+//! Lines of other origin (wires, printed stripes, shadows) rarely fit this.
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::measure::Joint;
 use crate::vision::FloorView;
 
-/// Tile joints that agree with each other, and the weight of the evidence for them.
+/// Tile joints that form a grid, and the weight of the evidence for that grid: essentially the sum of the joints' lengths in pixels.
 #[derive(Debug, Default)]
 pub(super) struct Grid {
     joints: Vec<Joint>,
     evidence: f64,
 }
 
-/// Greatest angle between true tile joints beyond the scatter of their measurement: each joint may be laid half a millimetre askew over one tile.
+/// Greatest angle between two true tile joints, beyond what errors of measurement add: each joint may be laid half a millimetre askew over one tile.
 const LAID_ASKEW_RAD: f64 = 0.007;
-/// Greatest error of the distance between two true tile joints: a constant for the laying of both, in pixels at the usual
-/// 1–1.5 px/mm, and a share for the error of the scale.
+/// Greatest error of the distance between two true parallel tile joints. The constant part, in pixels at the usual 1–1.5 px/mm, is for the laying of
+/// both joints; the part relative to the distance is for the error of the image's scale.
 const PITCH_ERROR_PX: f64 = 2.0;
 const PITCH_ERROR_RATIO: f64 = 0.004;
 /// Greatest ratio of contrast between joints of one floor: worn joints are fainter, but black wires are stronger by more than this ratio.
 const DEPTH_RATIO: f64 = 2.5;
-/// If a competing line has at least this share of the evidence, it stays undecided which of the two lines is a tile joint, and both are dropped.
+/// A rival is a line that does not fit the grid found, or the best grid at another angle. If the evidence (weighted length of lines) that a rival
+/// brings is at least this share of the evidence that it would displace, what the two cannot share is dropped: it stays undecided which is right.
 const RIVAL_SHARE: f64 = 0.4;
 
-/// The tile joints found at one angle that agree with each other, without those that competing lines leave in doubt.
+/// Selects, among the lines found at one angle, the tile joints that form a grid. Joints that a contradicting line leaves in doubt are dropped.
 pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
     joints.sort_by(|a, b| b.span_px.total_cmp(&a.span_px));
     let mut distinct: Vec<Joint> = Vec::new();
@@ -45,14 +46,14 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
     let (winners, winner) = heaviest(0);
     let mut kept = winner;
     for rival in (0..distinct.len()).filter(|index| winner >> index & 1 == 0) {
-        // A worn tile joint is too faint to agree with the others in contrast, but lies where a joint should be, so
-        // that it does not count against them.
+        // A worn tile joint is too faint to agree with the others in contrast, but lies where a joint of the grid should be. It is therefore no
+        // reason to doubt the others.
         let members = (0..distinct.len()).filter(|index| winner >> index & 1 == 1);
         if members.into_iter().all(|member| fits(&distinct[member], &distinct[rival], winners.edge_px)) {
             continue;
         }
         let (others, other) = heaviest(1 << rival);
-        // Tile joints that belong to both of two competing sets count for neither of them.
+        // If two sets of joints contradict each other, the joints that belong to both do not help to decide between them.
         let common = winner & other;
         let (lost, gained) =
             (winners.weights[winner] - winners.weights[common], others.weights[other] - others.weights[common]);
@@ -78,20 +79,20 @@ pub(super) fn best(mut grids: Vec<Grid>) -> Vec<Joint> {
     best.map_or_else(Vec::new, |best| best.joints)
 }
 
-/// Distance from the line of tile joint `a` to the middle of joint `b`, along the normal of `a`; both joints belong to one family.
+/// Distance from the line of tile joint `a` to the middle of joint `b`, along the normal of `a`; the two joints are parallel, of one family.
 fn distance_px(a: &Joint, b: &Joint) -> f64 {
     let (sin, cos) = a.line.normal_rad.sin_cos();
     b.middle_px[0] * cos + b.middle_px[1] * sin - a.line.offset_px
 }
 
-/// Whether two tile joints can belong to one grid with these pitches, by their positions and by their contrast.
+/// Whether two lines can be tile joints of one floor with the given pitches, by their positions and by their contrast.
 fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
     // The tile joints of a floor have one colour, but wear takes away some of their contrast.
     let alike = a.line.dark == b.line.dark && (1.0 / DEPTH_RATIO..DEPTH_RATIO).contains(&(a.depth / b.depth));
     alike && fits(a, b, edge_px)
 }
 
-/// Whether the angle and the distance between two lines fit two tile joints of one grid.
+/// Whether the angle between two lines and the distance between them are those of two tile joints of one floor.
 fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
     let quarter_turns = f64::from(b.line.family) - f64::from(a.line.family);
     let askew_rad = b.line.normal_rad - a.line.normal_rad - quarter_turns * FRAC_PI_2;
@@ -103,7 +104,8 @@ fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
         return true;
     }
     let edge_px = edge_px[usize::from(a.line.family)];
-    // The mean of the distances measured from either of the two tile joints is used: it halves the effect of the angle between them.
+    // The distance between two nearly parallel joints is measured from either of them, and the mean is used: it halves the effect of the angle
+    // between them.
     let apart_px = 0.5 * (distance_px(a, b).abs() + distance_px(b, a).abs());
     let pitches = (apart_px / edge_px).round();
     let sideways_px = (a.middle_px[0] - b.middle_px[0]).hypot(a.middle_px[1] - b.middle_px[1]);
@@ -113,21 +115,23 @@ fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
 
 /// Greatest number of tile joints that are examined together, because all their subsets are tried.
 const MOST_JOINTS: usize = 12;
-/// A likeness of two tile joints above this needs no further support: their contrasts are within a factor of 1.8.
+/// A tile joint counts as supported by an orthogonal joint if their likeness (square of the ratio of their contrasts) is above this: if the contrasts
+/// are within a factor of 1.8.
 const LIKENESS_MIN: f64 = 0.3;
-/// Least share of its visible length over which a tile joint must be found if it does not look like any orthogonal joint.
+/// Least share of its visible length over which a tile joint must be found if its contrast is like that of no orthogonal joint.
 const COVER_MIN: f64 = 0.75;
-/// Weight of a tile joint without an orthogonal joint of similar contrast, relative to one that has such a partner.
+/// Weight, in the evidence for a grid, of a tile joint without an orthogonal joint of similar contrast; with a partner of equal contrast it is 1.
 const WITHOUT_PARTNER: f64 = 0.25;
 
 /// Similarity of the contrast of two tile joints, at most 1: one floor has joints of one colour, and stripes and wires seldom match it.
 fn likeness(a: &Joint, b: &Joint) -> f64 {
-    // The square of the ratio of contrasts is used: half the contrast leaves a likeness of a quarter.
+    // The likeness is the square of the ratio of contrasts: a joint with half the contrast of another has a likeness of a quarter.
     let ratio = a.depth.min(b.depth) / a.depth.max(b.depth);
     ratio * ratio
 }
 
-/// Whether a tile joint of a set looks like an orthogonal joint of the set, or is found over most of its visible length.
+/// Whether a line may be kept as a tile joint of the given set: an orthogonal joint of the set has similar contrast, or the line is found over most
+/// of its visible length.
 ///
 /// A printed stripe ends with its tile and is fainter than a joint; a worn joint is fainter, too, but continues across the image.
 fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
@@ -141,9 +145,10 @@ fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
 
 /// All subsets of the tile joints, as bit masks, with the evidence for each of them.
 struct Cliques {
-    /// Pitches of the two families of tile joints.
+    /// Pitches (distances between neighbouring joints) of the two families of parallel tile joints.
     edge_px: [f64; 2],
-    /// Evidence of each subset of the tile joints, indexed by the subset's bit mask; negative if two joints of the subset disagree.
+    /// Evidence of each subset of the tile joints (weighted sum of lengths), indexed by the subset's bit mask; negative if two joints of the subset
+    /// cannot belong to one grid.
     weights: Vec<f64>,
 }
 
@@ -167,14 +172,15 @@ impl Cliques {
         Cliques { edge_px, weights: weights.collect() }
     }
 
-    /// The subset of tile joints with the most evidence among the subsets that contain the given joints.
+    /// The subset of tile joints with the most evidence among the subsets that contain all joints of the given bit mask.
     fn heaviest(&self, containing: usize) -> usize {
         let sets = (0..self.weights.len()).filter(|set| set & containing == containing);
         sets.max_by(|&a, &b| self.weights[a].total_cmp(&self.weights[b])).unwrap_or(0)
     }
 }
 
-/// Evidence of a set of tile joints: the sum of their lengths, each weighted by the joint's similarity to its most similar orthogonal partner.
+/// Evidence of a set of tile joints for a grid: the sum of their lengths in pixels, each weighted by the joint's similarity of contrast to its most
+/// similar orthogonal partner, and halved if the joint's width is not certain.
 fn evidence(joints: &[Joint], set: usize) -> f64 {
     let members = || joints.iter().enumerate().filter(|(index, _)| set >> index & 1 == 1).map(|(_, joint)| joint);
     members()
@@ -222,7 +228,8 @@ mod tests {
 
     #[test]
     fn one_pitch_cannot_serve_both_families_when_they_differ() {
-        // The lines of both families are 400 px apart, on tiles of 400 × 600 px: one of the two pairs cannot be a pair of joints.
+        // Two lines of each of the two families, 400 px apart, on tiles of 400 × 600 px: in one family joints have to be 600 px apart, so that not
+        // all four lines can be joints.
         let across = 0.2 + FRAC_PI_2;
         let joints = vec![
             joint(0, 0.2, -150.0, 0.8),
@@ -244,7 +251,8 @@ mod tests {
 
     #[test]
     fn a_worn_joint_in_its_place_does_not_speak_against_the_others() {
-        // Set-up: two tile joints a pitch apart, and an orthogonal joint whose contrast has faded to a quarter.
+        // Set-up: two tile joints a pitch apart, and an orthogonal joint whose contrast has faded to a quarter. The two are kept, the faint one is
+        // not.
         let joints = vec![joint(0, 0.0, -150.0, 0.8), joint(0, 0.0, 250.0, 0.8), joint(1, FRAC_PI_2, -50.0, 0.19)];
         assert_eq!(kept(joints), [(0, -150.0), (0, 250.0)]);
     }

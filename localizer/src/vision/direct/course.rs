@@ -2,15 +2,16 @@
 
 use super::measure::Sighting;
 
-/// Fitted straight course of a tile joint relative to its candidate line: `across = slope·along + intercept`, both in pixels.
+/// Straight line fitted to a tile joint, relative to the roughly known candidate line of the joint: `across = slope·along + intercept`, both in
+/// pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
     pub(super) slope: f64,
     pub(super) intercept_px: f64,
 }
 
-/// Greatest slope of a tile joint's fitted course against its candidate line: the error of the line is at most ±4 px at
-/// the ends of a long line, several times its scatter.
+/// Greatest slope of the line fitted to a tile joint against the joint's roughly known candidate line. The candidate line errs by at most ±4 px at
+/// the ends of a long line; that is several times its standard deviation.
 const SLOPE_REACH: f64 = 0.014;
 const SLOPE_STEPS: i32 = 14;
 /// Width of a bin in the vote on the intercept of a line through measured positions; positions that agree scatter by less.
@@ -46,8 +47,7 @@ impl Course {
         Some(course)
     }
 
-    /// Fits a straight line by least squares to the measured positions that are nearer to this line than the distance
-    /// that `reach_px` gives for each of them.
+    /// Fits a straight line by least squares to those measured positions whose distance from this line is less than `reach_px` gives for them.
     pub(super) fn refitted(&self, sightings: &[Sighting], reach_px: impl Fn(&Sighting) -> f64) -> Option<Course> {
         let (mut n, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for sighting in sightings.iter().filter(|sighting| self.distance_px(sighting).abs() < reach_px(sighting)) {
@@ -66,12 +66,12 @@ impl Course {
         Some(Course { slope, intercept_px: (y - slope * x) / n })
     }
 
-    /// Distance of the fitted line from the candidate line, at a position along the candidate line.
+    /// Distance of the line fitted to a tile joint from the joint's roughly known candidate line, at a position along the candidate line.
     pub(super) fn across_px(&self, along_px: f64) -> f64 {
         self.slope * along_px + self.intercept_px
     }
 
-    /// Distance of a measured position from the fitted line.
+    /// Signed distance of a measured position of a tile joint from the line fitted to the joint.
     pub(super) fn distance_px(&self, sighting: &Sighting) -> f64 {
         f64::from(sighting.fit.shift_px) - self.across_px(sighting.along_px)
     }

@@ -1,41 +1,44 @@
 //! Matched filter for a joint: a blurred strip of known width, independent of the level, the slope and the step of the background.
 //!
-//! A profile across a joint between two tiles is modelled as `y(x) = a + b·x + c·step(x − s) + d·strip(x − s)`, where
-//! `E` is the blurred unit edge, `w` the joint's width, `step = (E(x + w/2) + E(x − w/2) − 1)/2` (half of the step from
-//! tile to tile happens at each edge of the joint) and `strip = E(x + w/2) − E(x − w/2)`. For every shift `s` the four
+//! A profile across a joint between two tiles is modelled as `y(x) = a + b·x + c·step(x − s) + d·strip(x − s)`: `a` and `b` are level and slope of
+//! the tiles' brightness, and `d` is the joint's depth. With the blurred unit edge `E` and the joint's width `w`, `step = (E(x + w/2) + E(x − w/2) −
+//! 1)/2` (half of the step from tile to tile happens at each edge of the joint) and `strip = E(x + w/2) − E(x − w/2)`. For every shift `s` the four
 //! coefficients are a linear fit; the best shift is the one with the smallest residual.
 
-/// Number of shifts of the matched filter tried per pixel: within half a pixel the residual is a parabola of the shift,
-/// because even the sharpest edge is wider than that.
+/// Number of shifts of the matched filter tried per pixel. Two suffice, because over half a pixel the fit's residual is a parabola of the shift, even
+/// for the sharpest edge.
 const SHIFTS_PER_PX: usize = 2;
-/// Width of undisturbed tile on either side of the joint at its greatest shift: enough to separate level, slope and
-/// step of the background from the strip.
+/// Width of undisturbed tile that a profile contains on either side of the joint, even at the greatest shift: enough to separate level, slope and
+/// step of the background from the joint's strip.
 const SURROUND_PX: f64 = 5.0;
 /// Standard deviation of the blur of an edge in the image without motion, from pixel aperture, interpolation and lens together.
 const EDGE_SIGMA_PX: f64 = 0.65;
 
-/// Matched filters for one width of tile joint and one blur, for all shifts within a given distance.
+/// Matched filters for tile joints of one width under one motion blur: one filter for each shift of the joint within a given distance.
 pub(super) struct JointFilter {
-    /// Half width of the matched filter: samples are taken at `-half..=half` pixels.
+    /// Half width of the matched filter: it uses the samples of a profile from `-half` to `half` pixels about the middle one.
     pub(super) half: usize,
     /// Greatest shift of the tile joint, in either direction, for which there is a filter.
     reach_px: f64,
     /// Orthonormal basis of the background's level and slope.
     ground: [Vec<f32>; 2],
     shifts: Vec<Shift>,
-    /// Norm of the part of the strip's derivative that the other parameters of the filter's model (level, slope, step, depth) cannot
-    /// represent. The standard deviation of a tile joint's measured position is noise / (depth · this norm).
+    /// Norm of that part of the strip's derivative with respect to its position which the filter's other parameters (level, slope, step and depth)
+    /// cannot imitate. The standard deviation of a tile joint's measured position is noise / (depth · this norm).
     position_gain: f32,
 }
 
-/// Basis vectors (step and strip) of the matched filter for one shift, orthonormal to each other and to the basis of level and slope.
+/// The two basis vectors of the matched filter for one shift of the joint: step from tile to tile, and strip of the joint. They are orthonormal to
+/// each other and to the background's level and slope.
 struct Shift {
     step: Vec<f32>,
     strip: Vec<f32>,
-    /// Norms of the filter's basis vectors step and strip before normalisation: depth = projection / norm.
+    /// Norms of the filter's basis vectors step and strip before they were scaled to unit length. A joint's depth is the profile's projection on the
+    /// strip vector over the strip's norm.
     step_norm: f32,
     strip_norm: f32,
-    /// Projection of a strip of unit depth on the normalised step, two basis vectors of the matched filter.
+    /// Projection of a strip of unit depth on the normalised step vector. It is needed to find the step's height, because the strip contributes to
+    /// that projection, too.
     strip_on_step: f32,
 }
 
@@ -44,16 +47,16 @@ struct Shift {
 pub(super) struct Fit {
     /// Position of the tile joint's centre relative to the middle sample of the profile.
     pub(super) shift_px: f32,
-    /// Height of a tile joint's strip in units of the profile; negative where the joint is darker than the tiles.
+    /// Brightness of a tile joint above that of the tiles, in units of the profile; negative where the joint is darker than the tiles.
     pub(super) depth: f32,
     /// Height of the step from the tile on one side of the joint to the tile on the other side.
     pub(super) step: f32,
-    /// Root mean square of what the fitted model leaves of the profile, per degree of freedom.
+    /// Root mean square of the differences between the profile and the fitted model, per degree of freedom.
     pub(super) residual: f32,
 }
 
 impl JointFilter {
-    /// Number of samples that a matched filter needs on either side of the middle one.
+    /// Number of samples that the matched filter for a tile joint needs on either side of a profile's middle sample.
     pub(super) fn half_for(width_px: f64, blur_px: f64, reach_px: f64) -> usize {
         (0.5 * (width_px + blur_px) + reach_px + SURROUND_PX).ceil() as usize
     }
@@ -97,8 +100,9 @@ impl JointFilter {
         noise / (depth.abs() * self.position_gain).max(1e-6)
     }
 
-    /// Fits the model of a tile joint to a profile of at least `2·half + 1` samples, of which the middle ones are used, at shifts within `within_px`
-    /// of `around_px`. `None` if no shift strictly inside of that range is the best one and shows a strip of the wanted polarity (dark or light).
+    /// Fits the model of a tile joint to a profile of at least `2·half + 1` samples, of which the middle ones are used. Only shifts within
+    /// `within_px` of `around_px` are tried. `None` if the best of them lies at an end of that range, or none shows a strip of the wanted polarity
+    /// (`dark` or light).
     pub(super) fn fit(&self, profile: &[f32], dark: bool, around_px: f32, within_px: f32) -> Option<Fit> {
         let margin = profile.len() / 2 - self.half;
         let mut y = [0f32; MAX_SAMPLES];
@@ -122,7 +126,7 @@ impl JointFilter {
                 best_step = (step - depth * shift.strip_on_step) / shift.step_norm;
             }
         }
-        // The best shift is not accepted if it lies at either end of the searched range.
+        // A best shift at either end of the searched range is not accepted, because a better one may lie beyond.
         let best = best.filter(|&index| index > from && index < to)?;
         let [before, here, after] = [best - 1, best, best + 1].map(|index| explained[index]);
         let bend = 2.0 * here - before - after;
@@ -142,7 +146,7 @@ impl JointFilter {
 
 /// Greatest number of samples of a profile across a tile joint: enough for a joint of 16 px under 24 px of blur.
 pub(super) const MAX_SAMPLES: usize = 96;
-/// Greatest number of shifts of a matched filter: enough for shifts within ±12 px.
+/// Greatest number of shifts of the tile joint for which a matched filter is kept: enough for shifts within ±12 px.
 const MAX_SHIFTS: usize = 64;
 
 /// Brightness profile of an edge of unit height, blurred by uniform motion over `blur_px` and by the optics: 0 far to the left, 1 far to the right.
@@ -199,8 +203,8 @@ fn normalise(vector: &mut [f32]) -> f32 {
 mod tests {
     use super::*;
 
-    /// Profile across a strip 5 px wide on a sloping background, with half of a step to another tile at each edge; each
-    /// pixel averages the area that it covers.
+    /// Test profile across a strip 5 px wide on a sloping background, with half of a step to another tile at each edge of the strip; each pixel
+    /// averages the area that it covers.
     fn profile(half: usize, centre_px: f64, depth: f64, step: f64) -> Vec<f32> {
         let left_of = |x: f64, edge: f64| (edge - x + 0.5).clamp(0.0, 1.0);
         (0..=2 * half)
@@ -236,7 +240,8 @@ mod tests {
 
     #[test]
     fn a_single_edge_shows_as_a_step_twice_as_high_as_the_strip_is_deep() {
-        // A single brightness edge equals half of a step at either edge of a strip, plus a strip that takes one half back.
+        // A single brightness edge is the sum of two half steps, one at either edge of a strip, and of a strip half as deep that cancels the half
+        // step at one of them. So the fitted step is twice as high as the strip is deep.
         let half = JointFilter::half_for(5.0, 0.0, 4.0);
         let filter = JointFilter::new(5.0, 0.0, 4.0, half);
         let edge: Vec<f32> = (0..=2 * half).map(|sample| if sample < half { 4.0 } else { 4.5 }).collect();

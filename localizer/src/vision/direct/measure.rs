@@ -9,13 +9,13 @@ use super::vote::Candidate;
 /// A candidate line that looks like a tile joint over its whole length, with the positions measured on it.
 #[derive(Clone, Debug)]
 pub(super) struct Joint {
-    /// The tile joint's refined line, relative to the centre of the image.
+    /// The tile joint's refined line; its offset is counted from the centre of the image.
     pub(super) line: Candidate,
-    /// Points on the tile joint's centre line with their bounds, in image coordinates: `[u, v, bound]`.
+    /// Points on the tile joint's centre line, each `[u, v, bound]` in image coordinates: `bound` is the claimed greatest distance from that line.
     pub(super) points_px: Vec<[f64; 3]>,
     /// Contrast of the tile joint, as a difference of logarithms of grey levels; positive for dark and for light joints.
     pub(super) depth: f64,
-    /// Standard deviation of the direction of a line in the image, computed from the scatter of its points.
+    /// Standard deviation of the direction of the tile joint's line in the image, computed from the scatter of the measured points about the line.
     pub(super) direction_sd_rad: f64,
     /// Middle between the tile joint's first and last point, relative to the centre of the image.
     pub(super) middle_px: [f64; 2],
@@ -23,14 +23,16 @@ pub(super) struct Joint {
     pub(super) span_px: f64,
     /// Share of the line's visible length that lies between the first and the last point measured on the tile joint.
     pub(super) cover: f64,
-    /// Whether the line's measured width is that of a tile joint, rather than only one of the two neighbouring widths that are still accepted.
+    /// Whether the strip along the line is as wide as the declared width of a tile joint. If not, it has one of the two neighbouring widths that are
+    /// still accepted.
     pub(super) width_is_sure: bool,
 }
 
-/// Reference bound, without blur, of a point's distance from its line, in whose multiples the checks of a tile joint's points are expressed:
-/// three times the scatter of points that pass these checks at the greatest noise that they allow.
+/// Unit of distance for the checks of a tile joint's points: three times the scatter of points at the greatest noise that the checks allow, without
+/// blur. A point's claimed bound is another quantity.
 pub(super) const POINT_BOUND_PX: f64 = 0.30;
-/// Relative growth of a point's bounds per pixel of motion across the line, by which the tile joint's edges get flatter.
+/// Relative growth, per pixel of image motion across the line, of a point's claimed bound and of the unit of its checks: motion makes the tile
+/// joint's edges flatter.
 pub(super) const BOUND_PER_BLUR: f64 = 0.28;
 /// Motion across a tile joint beyond which its strip is too faint and too wide to be distinguished from a shadow.
 const BLUR_MAX_PX: f64 = 20.0;
@@ -40,32 +42,34 @@ const REACH_PX: f64 = 4.0;
 /// direction nor that it is a joint is certain.
 const LEAST_POINTS: usize = 10;
 const LEAST_SPAN_PX: f64 = 90.0;
-/// Wanted scatter of the points of a line, in units of their reference bound: at this scatter 0.02 of the points lie outside of that bound,
-/// and `SHARE_WRONG` allows ten times as many.
+/// Scatter of a line's points that is aimed at, in units of [`POINT_BOUND_PX`]. At this scatter a share of 0.02 of the points lies farther from the
+/// line than that unit; the share of wrong points that a line declares (`SHARE_WRONG`) is ten times as great.
 const SCATTER_WANTED: f64 = 0.42;
-/// Greatest scatter of the points of a tile joint, in units of their reference bound, from bends and noise together.
+/// Greatest scatter of the points of a tile joint about its line, from bends of the joint and noise together, in units of [`POINT_BOUND_PX`].
 const SCATTER_ALLOWED: f64 = 0.6;
-/// Claimed bound of a point of a line without blur and without scatter: three times the bias that a lopsided tile joint or a shadow gives
-/// to a whole line, which no scatter reveals.
+/// Part of a point's claimed bound that remains without blur and without scatter: three times the error that an asymmetric tile joint or a shadow
+/// gives to all points of a line alike, and that their scatter therefore does not show.
 const CLAIM_FLOOR_PX: f64 = 0.12;
-/// Part of the claimed bound of a line's points that grows with their scatter, in units of that scatter: one point in eighty lies outside by chance.
+/// Growth of the claimed bound of a line's points with their scatter (root mean square distance from the line). At this factor one point in eighty
+/// lies outside by chance.
 const CLAIM_PER_SCATTER: f64 = 2.5;
 /// Greatest number of neighbouring positions along a line that are averaged into one point; more would leave too few points on the line.
 const GROUP_MAX: usize = 8;
-/// Least share of the positions along a line at which the tile joint must be found: worn joints are missing at some of
-/// them, accidental structures at more.
+/// Least share of the positions along a line at which a strip like a tile joint must be found: worn joints are missing at some positions, accidental
+/// structures at more.
 const LEAST_AGREEMENT: f64 = 0.5;
 /// Pixels that are added to either side of the profiles, so that a strip twice as wide as a tile joint can be distinguished from a joint.
 const LOOK_PX: usize = 4;
-/// Greatest shift tried on a mean profile across a tile joint, which is already centred on the joint.
+/// Greatest shift tried when the joint model is fitted to the mean profile of a part of the line: single profiles were already shifted to be centred
+/// on the joint.
 const LOOK_REACH_PX: f64 = 1.5;
-/// Greatest residual of the mean profile across a third of a tile joint, in units of the profile's depth: 99 of 100 joints leave less than
-/// 0.13, while patterns printed beside a joint leave more for some of them.
+/// Greatest residual, in units of the joint's depth, of the mean profile over a third of a tile joint. 99 of 100 joints leave less than 0.13;
+/// patterns printed beside a joint leave more in at least one third for some joints.
 const RESIDUAL_ALLOWED: f32 = 0.12;
 /// Greatest step of brightness from tile to tile, in units of the depth of the joint's strip: at 2, the strip is one
 /// side of a single edge of a tape or a shadow.
 const STEP_ALLOWED: f32 = 1.3;
-/// Widths that are tried on the mean profile across a line, in units of the tile joint's declared width.
+/// Widths of a strip that are tried on the mean profile across a line, in units of the tile joint's declared width; the best one must be near 1.
 const WIDTHS: [f64; 5] = [0.45, 0.7, 1.0, 1.4, 2.1];
 
 /// Matched filters, by motion blur in whole pixels. They are kept because building one costs as much as forty fits.
@@ -89,7 +93,7 @@ impl Filters {
     }
 }
 
-/// A sighting: the fit of a tile joint's profile at one position along a line.
+/// One measured position of a tile joint: the fit of the joint's model to the profile at one position along the line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sighting {
     pub(super) along_px: f64,
@@ -103,12 +107,12 @@ impl Sighting {
     }
 }
 
-/// Reference bound of a point's distance from its line, for a given image motion across that line.
+/// Unit of distance for the checks of a tile joint's point, for a given image motion across the line during the exposure.
 fn bound_px(blur_px: f64) -> f64 {
     POINT_BOUND_PX * (1.0 + BOUND_PER_BLUR * blur_px)
 }
 
-/// Claimed greatest distance of a point from its tile joint: a term for the bias of the whole line and one for its scatter.
+/// Claimed greatest distance of a point from its tile joint: one term for an error that all points of the line share and one for their scatter.
 fn claimed_px(blur_px: f64, scatter_px: f64) -> f64 {
     CLAIM_FLOOR_PX * (1.0 + BOUND_PER_BLUR * blur_px) + CLAIM_PER_SCATTER * scatter_px
 }
@@ -126,7 +130,8 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
     let (depth, noise) = depth_and_noise(&sightings, &course)?;
     let middle_px = 0.5 * (profiles.along_px.first()? + profiles.along_px.last()?);
     let middle_blur_px = blur_at(middle_px);
-    // For faint tile joints, profiles at neighbouring positions are averaged until the scatter is as small as the claimed bound requires.
+    // For a faint tile joint, neighbouring profiles are averaged, as many as are needed for the scatter of the measured points to be as small as
+    // wanted.
     let scatter = f64::from(filters.with_blur(middle_blur_px).position_sd_px(depth, noise)) / bound_px(middle_blur_px);
     let group = (scatter / SCATTER_WANTED).powi(2).ceil().max(1.0) as usize;
     if group > GROUP_MAX {
@@ -178,7 +183,8 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
     })
 }
 
-/// Fits the profile of a tile joint at every position along a line, either anywhere within reach of the line or only near a given course.
+/// Fits the model of a tile joint to the profile at every position along a line. The joint is searched within [`REACH_PX`] of the line, or only
+/// within 2 px of the fitted line `near` if that is given.
 fn sight(
     profiles: &Profiles,
     filters: &mut Filters,
@@ -200,7 +206,7 @@ fn sight(
     sightings
 }
 
-/// Medians of the depth and of the noise over the measured positions near the fitted line.
+/// Median contrast of the joint and median residual of the fits, over the measured positions that lie near the fitted line.
 fn depth_and_noise(sightings: &[Sighting], course: &Course) -> Option<(f32, f32)> {
     let near: Vec<&Sighting> =
         sightings.iter().filter(|sighting| course.distance_px(sighting).abs() < 2.0 * sighting.bound_px()).collect();
@@ -226,8 +232,8 @@ fn accept(sightings: &[Sighting], course: &mut Course, depth: f32, noise: f32) -
         .filter(|sighting| (0.4..2.5).contains(&(sighting.fit.depth / depth)) && sighting.fit.residual < noise_max)
         .copied()
         .collect();
-    // Twice the reference bound includes every true point of a tile joint that bends as much as laying allows, and
-    // excludes weaker parallel structures beside it.
+    // A distance of twice [`POINT_BOUND_PX`] admits every true point of a tile joint that is bent as much as laying allows, and excludes weaker
+    // parallel structures beside it.
     for _ in 0..2 {
         *course = course.refitted(&sound, |sighting| 2.0 * sighting.bound_px())?;
     }
@@ -237,11 +243,12 @@ fn accept(sightings: &[Sighting], course: &mut Course, depth: f32, noise: f32) -
 /// Root mean square distance of the accepted positions from the fitted line.
 fn scatter_px(accepted: &[Sighting], course: &Course) -> f64 {
     let squares: f64 = accepted.iter().map(|sighting| course.distance_px(sighting).powi(2)).sum();
-    // The fit of the line has used two degrees of freedom.
+    // Two degrees of freedom are subtracted from the number of points, because slope and intercept of the line were fitted to them.
     (squares / (accepted.len() as f64 - 2.0).max(1.0)).sqrt()
 }
 
-/// Inputs for the examination of the mean profiles across a line, along its fitted course.
+/// What is needed to examine whether a line is a tile joint by the mean profiles across it: the profiles, the fitted line, and the joint's polarity,
+/// depth and blur.
 struct Look<'a> {
     profiles: &'a Profiles,
     course: &'a Course,
@@ -251,8 +258,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Whether each third of the line shows a strip at its place, and the strip is as wide as a tile joint. `None` if
-    /// not; otherwise whether the width is certain.
+    /// Whether each third of the line shows a strip in the middle of its mean profile, and the strip is as wide as a tile joint. `None` if not;
+    /// otherwise whether the width is certain.
     fn is_a_joint(&self, width_px: f64, span: [f64; 2]) -> Option<bool> {
         let third_px = (span[1] - span[0]) / 3.0;
         let half = self.profiles.half - REACH_PX as usize;
@@ -283,7 +290,8 @@ impl Look<'_> {
         }
     }
 
-    /// Mean of the grey-level profiles in a range along a line, each shifted so that the fitted course passes through its middle.
+    /// Mean of the grey-level profiles across a line, for a range of positions along it. Each profile is first shifted so that the fitted line passes
+    /// through its middle.
     fn mean_profile(&self, range: [f64; 2]) -> Option<Vec<f32>> {
         let half = self.profiles.half - REACH_PX as usize;
         let (mut sum, mut count) = (vec![0f32; 2 * half + 1], 0);

@@ -25,7 +25,7 @@ impl Profiles {
         profile[0].is_finite().then_some(profile)
     }
 
-    /// Replaces every `group` neighbouring profiles by their mean, which leaves less noise and fewer points.
+    /// Replaces each group of `group` neighbouring profiles by their mean: noise decreases, but fewer points can be measured.
     pub(super) fn merged(&self, group: usize) -> Profiles {
         let length = 2 * self.half + 1;
         let (mut along_px, mut samples) = (Vec::new(), Vec::new());
@@ -50,7 +50,7 @@ impl Profiles {
 /// Range of grey levels in which a profile across a line is trusted: below it, eight bits are too coarse for a logarithm; above it, the sensor clips.
 const USABLE_GREY: [f32; 2] = [3.0, 248.0];
 
-/// Reads the grey-level profiles across a line, wherever the whole width of a profile lies in the image.
+/// Reads the grey-level profiles across a line, at all positions along it at which the whole width of a profile lies in the image.
 pub(super) fn profiles(picture: &Picture, line: &Candidate, half: usize) -> Profiles {
     let half = half.min((MAX_SAMPLES - 1) / 2);
     let normal = [line.normal_rad.cos(), line.normal_rad.sin()];
@@ -81,12 +81,13 @@ pub(super) fn profiles(picture: &Picture, line: &Candidate, half: usize) -> Prof
     result
 }
 
-/// Range of positions along a line at which a profile reaching `half_px` to either side lies in the image; empty if `to < from`.
+/// Range of positions along a line at which a profile that reaches `half_px` to either side lies in the image: `(from, to)`, where `to < from` means
+/// that there is none.
 fn visible_range(picture: &Picture, normal: [f64; 2], offset_px: f64, half_px: f64) -> (f64, f64) {
     let along = [-normal[1], normal[0]];
     let (mut from, mut to) = (-1e9_f64, 1e9_f64);
     for axis in 0..2 {
-        // The border of the image is left out by one pixel, so that bilinear interpolation has a neighbour for each pixel.
+        // The border of the image is left out by one pixel, so that bilinear interpolation has a neighbour for each sample.
         let room = picture.centre_px[axis] - 1.0 - half_px * normal[axis].abs();
         let foot = offset_px * normal[axis];
         if along[axis].abs() < 1e-9 {
@@ -112,7 +113,7 @@ fn mean_along(picture: &Picture, start_px: [f64; 2], along: [f64; 2]) -> f32 {
     for _ in 0..STATION_PX as usize {
         let corner = (v >> 16) as usize * picture.stride + (u >> 16) as usize;
         let (right, down) = (((u >> 8) & 255) as u32, ((v >> 8) & 255) as u32);
-        // The visible range keeps all sampled pixels inside of the image; the check costs nothing, and its other case cannot occur.
+        // The profile lies in the visible range, so that all four neighbouring pixels exist. The check merely avoids a panic and costs nothing.
         if let (Some(&[a, b]), Some(&[c, d])) = (
             picture.pixels.get(corner..corner + 2).and_then(as_pair),
             picture.pixels.get(corner + picture.stride..corner + picture.stride + 2).and_then(as_pair),

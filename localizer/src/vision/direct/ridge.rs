@@ -21,11 +21,12 @@ impl Plane {
 /// A point on the centre line of a thin dark or light structure, to a fraction of a cell of the binned image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RidgePoint {
-    /// Position of a ridge point relative to the centre of the image, in pixels of full resolution.
+    /// Position of the ridge point relative to the centre of the image, in pixels of full resolution.
     pub(super) position_px: [f32; 2],
     /// Angle of the normal of a thin structure in the image, known modulo half a turn.
     pub(super) normal_rad: f32,
-    /// Second derivative of brightness across a thin structure, in units of the detection threshold: at least 1, and limited to `WEIGHT_CAP`.
+    /// Second derivative of brightness across the thin structure at this point, as a multiple of the least one at which a point is detected: at least
+    /// 1, and limited to `WEIGHT_CAP`.
     pub(super) weight: f32,
     /// Whether the thin structure in the image is darker than its surroundings.
     pub(super) dark: bool,
@@ -126,8 +127,8 @@ pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2], s
     points
 }
 
-/// Offset from the middle of a cell to the extremum across a ridge, and the angle of the ridge's normal; `None` if the extremum lies in
-/// another cell or the structure is not line-shaped. `across` is the Hessian's eigenvalue with the greatest magnitude.
+/// Offset from the middle of a cell of the image to the darkest or lightest place across a ridge, and the angle of the ridge's normal. `None` if that
+/// place lies in another cell or the structure is not line-shaped. `across` is the eigenvalue of the second derivatives with the greatest magnitude.
 fn extremum(near: [&[f32]; 3], column: usize, across: f32) -> Option<([f32; 2], f32)> {
     let (uu, vv, uv) = hessian(near, column);
     // A blob or a crossing in the image is curved in both directions, so that its direction has no meaning.
@@ -145,10 +146,11 @@ fn extremum(near: [&[f32]; 3], column: usize, across: f32) -> Option<([f32; 2], 
     (step[0].abs() <= 0.6 && step[1].abs() <= 0.6).then_some((step, normal_rad))
 }
 
-/// Greatest weight of a ridge point in the vote, in units of the weakest point's: the reflection of a lamp must not outvote a tile joint.
+/// Greatest weight of a ridge point in the vote on lines, where the weakest point has weight 1: the reflection of a lamp must not outvote a tile
+/// joint.
 const WEIGHT_CAP: f32 = 4.0;
 
-/// Second differences uu, vv, uv at a column of three neighbouring rows.
+/// Second differences uu, vv, uv of the image at one column of three neighbouring rows.
 #[inline(always)]
 fn hessian([above, here, below]: [&[f32]; 3], column: usize) -> (f32, f32, f32) {
     let uu = here[column + 1] - 2.0 * here[column] + here[column - 1];
@@ -157,8 +159,9 @@ fn hessian([above, here, below]: [&[f32]; 3], column: usize) -> (f32, f32, f32) 
     (uu, vv, uv)
 }
 
-/// Least curvature of a ridge: three times the median of the image (noise and texture), but at least a share of its strong ridges (else
-/// their side lobes would count) and at least 1 % of contrast, below which the steps of eight bits in a dark image form ridges of their own.
+/// Least curvature of a ridge: three times the median curvature of the image (noise and texture), but at least a share of its strong ridges'
+/// curvature (otherwise their side lobes would count), and at least 1 % of contrast (otherwise the steps of eight bits in a dark image would form
+/// ridges).
 fn threshold(curvature: &[f32], width: usize, strong_share: f32) -> f32 {
     // Every seventh cell is enough for the quantiles of the image's curvature; seven divides no usual width, so that all columns are sampled in turn.
     let mut sample: Vec<f32> = curvature[BORDER_CELLS * width..].iter().step_by(7).map(|value| value.abs()).collect();

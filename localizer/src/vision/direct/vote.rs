@@ -1,4 +1,5 @@
-//! Vote of the ridge points: those of two orthogonal families of tile joints agree on one angle modulo 90° and on a few offsets.
+//! Vote of the ridge points on straight lines: points of two orthogonal families of tile joints agree on one angle modulo 90° and, in each family, on
+//! a few distances from the image's centre.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -10,7 +11,7 @@ use super::ridge::RidgePoint;
 pub(super) struct Candidate {
     pub(super) normal_rad: f64,
     pub(super) offset_px: f64,
-    /// Family of the line, 0 or 1: its normal is near the assumed angle of the tile grid, or a right angle further.
+    /// Family of the line, 0 or 1: its normal is near the angle found for the tile grid, or a right angle further.
     pub(super) family: u8,
     pub(super) dark: bool,
     /// Sum of the weights of the ridge points that lie on the candidate line.
@@ -19,12 +20,15 @@ pub(super) struct Candidate {
 
 /// Number of bins of the histogram of ridge directions, folded to 90°: steps of half a degree.
 const ANGLE_BINS: usize = 180;
-/// Greatest orientation error of a single ridge point: points whose normal differs by more than this from the grid's angle do not vote.
+/// Greatest error of the direction at a single ridge point: a point whose normal differs by more than this from the normal of a family of lines does
+/// not vote for that family.
 const ORIENTATION_RAD: f32 = 0.2;
-/// Greatest number of candidates examined per family: at most two tile joints are in view, and the rest leaves room for lines that must be rejected.
+/// Greatest number of candidate lines examined per family of parallel lines. At most two tile joints of a family are in view; the rest leaves room
+/// for lines that turn out to be none.
 const CANDIDATES_PER_FAMILY: usize = 6;
 
-/// Straight structures along and across the angle that most ridge points agree on; none if the image shows nothing straight.
+/// Finds straight structures along and across the angle that most ridge points (points of thin dark or light lines in the image) agree on; none if
+/// the image shows nothing straight.
 pub(super) fn candidates(points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]) -> Vec<Candidate> {
     let angle_rad = peak_angle(points);
     let families = [0.0, FRAC_PI_2].map(|turn| family_points(points, angle_rad + turn));
@@ -39,8 +43,8 @@ pub(super) fn candidates(points: &[RidgePoint], cell_px: f32, size_px: [f32; 2])
         found.sort_by(|a, b| b.support.total_cmp(&a.support));
         let mut distinct: Vec<Candidate> = Vec::new();
         for candidate in found {
-            // A strong ridge in the image has weak ridges of the opposite polarity (light or dark) beside it, and the
-            // same ridge may have been found twice.
+            // A strong ridge in the image has weak ridges of the opposite polarity (light or dark) beside it, and one ridge may have been found
+            // twice. A candidate beside a stronger one is therefore dropped.
             let beside = |known: &Candidate| {
                 (known.offset_px - candidate.offset_px).abs()
                     < f64::from(if known.dark == candidate.dark { cell_px } else { 4.0 * cell_px })
@@ -54,7 +58,7 @@ pub(super) fn candidates(points: &[RidgePoint], cell_px: f32, size_px: [f32; 2])
     candidates
 }
 
-/// Removes the ridge points near a candidate line from the vote.
+/// Removes the ridge points (points of thin dark or light lines) near a candidate line, so that they do not vote for further lines.
 pub(super) fn remove(points: &mut Vec<RidgePoint>, candidate: &Candidate, reach_px: f32) {
     let (sin, cos) = (candidate.normal_rad as f32).sin_cos();
     let offset_px = candidate.offset_px as f32;
@@ -68,7 +72,7 @@ fn peak_angle(points: &[RidgePoint]) -> f32 {
         let turn = point.normal_rad.rem_euclid(FRAC_PI_2) / FRAC_PI_2;
         histogram[((turn * ANGLE_BINS as f32) as usize).min(ANGLE_BINS - 1)] += point.weight;
     }
-    // The triangle of ±3° that smooths the histogram of angles is as wide as the orientation error of the points that matter.
+    // The histogram of angles is smoothed with a triangle of ±3°, about the error of direction of the ridge points that matter.
     const REACH: i32 = 6;
     let smooth = |bin: usize| -> f32 {
         (-REACH..=REACH)
@@ -80,7 +84,8 @@ fn peak_angle(points: &[RidgePoint]) -> f32 {
     (peak as f32 + 0.5) * FRAC_PI_2 / ANGLE_BINS as f32
 }
 
-/// Histogram of the ridge points of one family of parallel lines and one polarity (light or dark): the points' weights by offset.
+/// Histogram of one family of parallel lines and one polarity (light or dark): the summed weights of the ridge points by their offset, which is their
+/// distance from the image's centre along the family's normal.
 struct OffsetHistogram {
     weights: Vec<f32>,
     bin_px: f32,
@@ -100,7 +105,7 @@ impl OffsetHistogram {
         }
     }
 
-    /// Weight of the ridge points that support a line whose offset lies between bins `bin` and `bin + 1`.
+    /// Summed weight of the ridge points in bins `bin` and `bin + 1` of the offset histogram: the support for a line between these bins' middles.
     fn pair(&self, bin: usize) -> f32 {
         self.weights[bin] + self.weights[bin + 1]
     }
@@ -109,7 +114,7 @@ impl OffsetHistogram {
         (0..self.weights.len() - 1).map(|bin| self.pair(bin) * self.pair(bin)).sum()
     }
 
-    /// Offset, in the histogram of lines, of the middle of the two bins that begin with `bin`.
+    /// Offset at the boundary between bins `bin` and `bin + 1`, which is the middle of the two.
     fn offset_px(&self, bin: usize) -> f32 {
         (bin + 1) as f32 * self.bin_px - self.reach_px
     }
@@ -121,12 +126,13 @@ fn between(normal_rad: f32, angle_rad: f32) -> f32 {
     difference.min(PI - difference)
 }
 
-/// Ridge points that may belong to the family of parallel lines with this normal angle.
+/// Ridge points whose normal is near the given angle: those that may lie on a line of that family of parallel lines.
 fn family_points(points: &[RidgePoint], normal_rad: f32) -> Vec<RidgePoint> {
     points.iter().filter(|point| between(point.normal_rad, normal_rad) < ORIENTATION_RAD).copied().collect()
 }
 
-/// Histograms of the offsets of one family's ridge points along the family's normal, by polarity: `[light, dark]`.
+/// Histograms of the offsets of one family's ridge points (distances from the image's centre along the family's normal), by polarity: `[light,
+/// dark]`.
 fn offsets(family: &[RidgePoint], normal_rad: f32, cell_px: f32, size_px: [f32; 2]) -> [OffsetHistogram; 2] {
     let (sin, cos) = normal_rad.sin_cos();
     let mut histograms = [(); 2].map(|()| OffsetHistogram::new(size_px, 0.75 * cell_px));
@@ -136,7 +142,7 @@ fn offsets(family: &[RidgePoint], normal_rad: f32, cell_px: f32, size_px: [f32; 
     histograms
 }
 
-/// Angle near `angle_rad` at which the offsets of both families of ridge points are most concentrated.
+/// Angle near `angle_rad` at which the ridge points of both families of parallel lines fall into the fewest and fullest bins of offset.
 fn sharpened(families: &[Vec<RidgePoint>; 2], angle_rad: f32, cell_px: f32, size_px: [f32; 2]) -> f32 {
     let energy = |angle_rad: f32| -> f32 {
         let of_family =
@@ -149,12 +155,14 @@ fn sharpened(families: &[Vec<RidgePoint>; 2], angle_rad: f32, cell_px: f32, size
     tried.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(angle_rad, |best| best.0)
 }
 
-/// Least share of the image cells along a line's visible part that must have voted for the line, if each has the least weight.
+/// Least support of a line, per cell of the binned image along the line's visible part: this share of the cells must have voted for the line if every
+/// vote has the least weight, 1.
 const LEAST_COVER: f32 = 0.3;
 /// Least length of a line's visible part, in image cells: a shorter line cuts a corner of the image and does not determine a direction.
 const LEAST_CELLS: f32 = 12.0;
 
-/// Local maxima of the offset histogram with enough support for their length in the image, each refined by a straight fit to its points.
+/// Local maxima of the offset histogram that enough ridge points support for the length of the line in the image, each refined by a straight fit to
+/// its ridge points.
 fn peaks(
     histogram: &OffsetHistogram,
     points: &[RidgePoint],
@@ -208,7 +216,7 @@ fn chord_px(normal_rad: f32, offset_px: f32, size_px: [f32; 2]) -> f32 {
     (to - from).max(0.0)
 }
 
-/// Weighted straight fit to the points near a line, made twice, the second time to nearer points only; returns `(normal angle, offset)`.
+/// Weighted straight fit to the ridge points near a line, made twice, the second time to nearer points only; returns `(normal angle, offset)`.
 fn fit(points: &[RidgePoint], mut normal_rad: f32, mut offset_px: f32, dark: bool, cell_px: f32) -> Option<(f32, f32)> {
     for reach_px in [1.5 * cell_px, cell_px] {
         let (sin, cos) = normal_rad.sin_cos();

@@ -42,7 +42,8 @@ pub fn equalised_by_tiles(picture: &Picture, tiles: [usize; 2], limit: f64) -> P
     Picture { values, ..*picture }
 }
 
-/// The two tiles whose middles lie before and after a pixel, and the weight of the second one in the interpolation.
+/// Along one image axis, the two tiles of the equalisation whose middles lie before and after a pixel, and the weight of the second tile in the
+/// interpolation between them.
 fn between(at: usize, size: usize, tiles: usize) -> [f32; 3] {
     let place = ((at as f32 + 0.5) / size as f32 - 0.5).clamp(0.0, tiles as f32 - 1.0);
     let first = place.floor();
@@ -59,7 +60,7 @@ impl Scale {
     fn of(picture: &Picture) -> Scale {
         let least = picture.values.iter().copied().fold(f32::INFINITY, f32::min);
         let greatest = picture.values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        // If the image's values span no more than the grey levels, their spacing is not changed.
+        // If the image's values differ by less than the number of grey levels, a difference of 1 in value stays a difference of one grey level.
         let levels_per_value =
             if greatest - least < LEVELS as f32 { 1.0 } else { (LEVELS - 1) as f32 / (greatest - least) };
         Scale { least, levels_per_value }
@@ -70,8 +71,8 @@ impl Scale {
     }
 }
 
-/// For each grey level, 255 times the share of pixels up to that level. Counts are limited to `limit` times their mean, and what exceeds
-/// the limit is spread evenly over all levels.
+/// For each grey level, 255 times the share of pixels at or below that level. The histogram's counts are limited to `limit` times their mean, and
+/// what exceeds the limit is spread evenly over all levels.
 fn ranks(levels: impl Iterator<Item = usize>, limit: f64) -> Vec<f32> {
     let mut counts = vec![0.0_f64; LEVELS];
     levels.for_each(|level| counts[level] += 1.0);

@@ -20,7 +20,7 @@ const CORNERS: usize = 500;
 const BITS: usize = 256;
 /// Greatest number of bits in which two matched descriptors may differ.
 const DIFFERING_BITS: u32 = 64;
-/// Distance of a corner from the image's border that the patch of its descriptor needs.
+/// Least distance of a corner feature from the image's border: its descriptor compares pixels in a square of about this half width around it.
 const PATCH_PX: u32 = 16;
 
 /// Matches FAST corners of two images whose BRIEF descriptors are each other's nearest: their positions `[u, v]` in the

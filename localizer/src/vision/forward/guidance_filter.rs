@@ -11,8 +11,8 @@ pub fn rolling_guidance(input: &Picture, spatial_px: f32, range: f32, rounds: us
     filtered(input, spatial_px, range, rounds, |off| (-0.5 * off * off).exp())
 }
 
-/// Rolling guidance filter with range weights (1 − d²/16)⁸ instead of exp(−d²/2). They differ by at most 0.04, and any
-/// processor computes several of them at a time.
+/// Rolling guidance filter whose weight for a difference d of values, in units of `range`, is (1 − d²/16)⁸ instead of exp(−d²/2). The two differ by
+/// at most 0.04, and any processor computes several of the former at a time.
 pub fn rolling_guidance_at_speed(input: &Picture, spatial_px: f32, range: f32, rounds: usize) -> Picture {
     filtered(input, spatial_px, range, rounds, |off| {
         let base = (1.0 - off * off * (1.0 / 16.0)).max(0.0);
@@ -32,7 +32,7 @@ fn filtered(
     let taps: Vec<f32> = (0..=(2.0 * spatial_px).ceil() as usize)
         .map(|distance| (-0.5 * (distance as f32 / spatial_px).powi(2)).exp())
         .collect();
-    // With a constant guide every range weight is 1, so that the first round is a Gaussian blur.
+    // With a constant guide image every weight by difference of values is 1, so that the first round is a Gaussian blur.
     let mut guide = Picture::filled(input.width, input.height, 0.0);
     for _ in 0..rounds {
         let rows = along_rows(input, &guide, &taps, |off| range_weight(off / range));
@@ -80,7 +80,7 @@ fn along_columns(input: &Picture, guide: &Picture, taps: &[f32], weighed: impl F
     Picture { values: sum.iter().zip(&total).map(|(sum, total)| sum / total).collect(), ..*input }
 }
 
-/// Adds each source value times its weight to the sum, and the weight to the total of weights.
+/// Adds each value of `source` times its weight to `sum`, and the weight itself to `total`, as a weighted mean needs it.
 fn add(sum: &mut [f32], total: &mut [f32], weights: &[f32], source: &[f32]) {
     for (((sum, total), weight), source) in sum.iter_mut().zip(total).zip(weights).zip(source) {
         *sum += weight * source;

@@ -4,7 +4,7 @@
 
 use super::Picture;
 
-/// Least gradient, per pixel, of a stabilised and filtered image that is not caused by noise.
+/// Least gradient, per pixel, that is not caused by noise: in an image whose noise was made equal everywhere and that was filtered.
 pub const NOISE_FLOOR: f32 = 0.08;
 /// Cosine of the greatest difference between the gradient directions of a region: 22.5°, the value of LSD.
 const ANGLE_TOLERANCE_COS: f32 = 0.923_879_5;
@@ -33,7 +33,7 @@ impl Segment {
         [(b[0] - a[0]) / length, (b[1] - a[1]) / length]
     }
 
-    /// The segment, found in an image at half resolution, in the pixels of the image at full resolution.
+    /// A segment found in an image at half resolution, converted to pixels of the image at full resolution.
     pub fn unbinned(&self) -> Segment {
         Segment { ends_px: self.ends_px.map(|end| end.map(|at| 2.0 * at + 0.5)) }
     }
@@ -95,7 +95,7 @@ pub fn segments(picture: &Picture, least_gradient: f32) -> Vec<Segment> {
 struct Gradients {
     width: usize,
     strength: Vec<f32>,
-    /// Gradient of each block along u and v.
+    /// Gradient of each block of 2 × 2 pixels, along u and along v.
     gradient: Vec<[f32; 2]>,
 }
 
@@ -146,8 +146,8 @@ impl Gradients {
         region
     }
 
-    /// Fits a segment to a region: along its main axis, weighted by the gradient, from its first pixel to its last.
-    /// `None` for a region that is not elongated.
+    /// Fits a segment to a region of pixels with similar gradient direction: along the region's main axis, with pixels weighted by their gradient,
+    /// from the first pixel to the last. `None` for a region that is not elongated.
     fn fit(&self, region: &[usize]) -> Option<Segment> {
         let place = |at: usize| [(at % self.width) as f64 + 0.5, (at / self.width) as f64 + 0.5];
         let (mut total, mut mean) = (0.0, [0.0; 2]);

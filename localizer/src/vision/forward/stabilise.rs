@@ -39,12 +39,13 @@ fn noise_law(picture: &Picture) -> [f32; 2] {
             [level, (deviation * deviation / 6.0).max(1.0 / 12.0)]
         })
         .collect();
-    // The brightest class is left out because it may be saturated.
+    // The brightest of the brightness classes is left out of the noise estimate, because it may be saturated.
     classes.pop();
     straight_line(&classes)
 }
 
-/// Fits a straight line by least squares, weighted for variances that are known with the same relative accuracy; the slope is at least 0.001.
+/// Fits the noise variance of brightness classes as a straight line over their brightness, by least squares. Each variance is weighted as known with
+/// the same relative accuracy; the slope is at least 0.001.
 fn straight_line(points: &[[f32; 2]]) -> [f32; 2] {
     let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0_f32, 0.0, 0.0, 0.0, 0.0);
     for &[x, y] in points {

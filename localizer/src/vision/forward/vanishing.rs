@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3, vector};
 
 use super::{Picture, Segment, draws::Draws, equalise, guidance_filter, segments};
 
-/// Histogram equalisation with which the chain of paper 2 brightens an image.
+/// Kinds of histogram equalisation with which the processing chain of paper 2 brightens an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Equalisation {
     /// Equalisation over the whole image.
@@ -28,17 +28,19 @@ pub struct VanishingPoints {
 
 /// Least width and height of an image: a gradient needs neighbours on all sides, so that smaller images contain no segment.
 const LEAST_SIDE: usize = 3;
-/// Sine of the greatest angle between a direction and the plane through a segment and the camera at which the two agree: sin 1°.
+/// Sine of the greatest angle between a direction and the plane through a segment and the camera at which the segment still counts as pointing in
+/// that direction: sin 1°.
 const PLANE_TOLERANCE: f64 = 0.0175;
 /// Number of bins of the direction histogram over half a turn.
 const BINS: usize = 18;
-/// Number of random samples that RANSAC draws.
+/// Number of random samples of segments from which RANSAC forms candidates for the vanishing points.
 const SAMPLES: usize = 300;
 /// Least number of agreeing segments for which vanishing points are reported.
 const FEWEST: usize = 4;
-/// Range standard deviation of the rolling guidance filter, in equalised grey levels; the paper does not state it.
+/// Standard deviation, in equalised grey levels, of the differences of value that the rolling guidance filter smooths away; paper 2 does not state
+/// it.
 const RANGE_LEVELS: f32 = 25.0;
-/// Least gradient of a segment, in equalised grey levels per pixel; the paper does not state it.
+/// Least gradient of a segment, in equalised grey levels per pixel; paper 2 does not state it.
 const LEAST_GRADIENT: f32 = 4.0;
 
 /// Segments found by the chain of paper 2: equalisation, rolling guidance filter, segment detection.
@@ -67,7 +69,8 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
     for _ in 0..SAMPLES {
         let (i, j) = (dominant[draw.below(dominant.len())], dominant[draw.below(dominant.len())]);
         let Some(first) = normals[i].cross(&normals[j]).try_normalize(1e-3) else { continue };
-        // The second vanishing point lies in the plane of a segment of set B and is orthogonal to the first point.
+        // The second vanishing point is orthogonal to the first and lies in the plane through the camera and a segment outside of the dominant
+        // direction (set B of paper 2).
         let Some(second) = normals[rest[draw.below(rest.len())]].cross(&first).try_normalize(1e-3) else { continue };
         let directions = [first, second, first.cross(&second)];
         let agreeing = normals.iter().filter(|normal| nearest(normal, &directions).is_some()).count();
@@ -78,7 +81,7 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
     best.filter(|best| best.agreeing >= FEWEST).map(|best| refined(&normals, best))
 }
 
-/// The segments that point to one of the vanishing points, within the tolerance.
+/// The segments that point to one of the vanishing points, within the tolerance of 1°.
 pub fn agreeing(
     segments: &[Segment],
     points: &VanishingPoints,
@@ -88,18 +91,18 @@ pub fn agreeing(
     segments.iter().copied().filter(|segment| nearest(&normal(segment), &points.directions).is_some()).collect()
 }
 
-/// Azimuth of the robot relative to the room, in `[−π/4, π/4]`, for a camera that is tilted up: the angle, counter-clockwise, between the
-/// robot's lateral axis and the vanishing point with the largest lateral component.
+/// Azimuth of the robot relative to the room, in `[−π/4, π/4]`, for a camera that is tilted up: the counter-clockwise angle between the robot's
+/// lateral axis and the vanishing point with the largest lateral component.
 ///
-/// Eq. (1) is a rotation about the lateral axis x by the tilt. The axis of a camera tilted up points above the horizon, so that levelling
-/// lowers the seen directions; with the wrong sign, azimuths err by up to 1.3° at a tilt of 8.7°.
+/// Eq. (1) of paper 2 is a rotation about the robot's lateral axis x by the camera's tilt. The optical axis of a camera tilted up points above the
+/// horizon, so that levelling lowers the seen directions; with the wrong sign, azimuths err by up to 1.3° at a tilt of 8.7°.
 pub fn azimuth_rad(points: &VanishingPoints, tilt_up_rad: f64) -> f64 {
     let lateral = points
         .directions
         .iter()
         .map(|direction| levelled(direction, tilt_up_rad))
         .fold(Vector3::zeros(), |best: Vector3<f64>, next| if next.x.abs() > best.x.abs() { next } else { best });
-    // If the robot sees a wall's direction as (cos φ, sin φ), the robot is turned by −φ relative to the wall.
+    // If a wall's direction is (cos φ, sin φ) in the robot's frame, the robot is turned by −φ relative to the wall.
     -(lateral.y * lateral.x.signum()).atan2(lateral.x.abs())
 }
 
@@ -109,7 +112,8 @@ pub fn levelled(direction: &Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
     vector![direction.x, direction.y * sin + direction.z * cos, direction.z * sin - direction.y * cos]
 }
 
-/// Splits the segments into the paper's sets A and B: indices of the segments in the dominant direction, by total length, and of the other segments.
+/// Splits the segments into paper 2's sets A and B: indices of the segments whose direction in the image is near the one with the greatest total
+/// length, and of all other segments.
 fn dominant_and_rest(segments: &[Segment]) -> (Vec<usize>, Vec<usize>) {
     let bin = |segment: &Segment| {
         let [du, dv] = segment.along();

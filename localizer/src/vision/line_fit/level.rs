@@ -1,18 +1,20 @@
-//! Encloses the lines `y = m·x + b` that are near enough to K of the points: slopes are bisected, intercepts are found by a sweep.
+//! Encloses the lines `y = m·x + b` that are near enough to at least K of the given points: slopes are bisected, intercepts are found by a sweep.
 
 use std::cell::RefCell;
 
-/// Points in local coordinates `[x, y, bound]`; a line must be within the bound of at least `needed` of them.
+/// Points in local coordinates `[x, y, bound]`, and the number `needed` of them that a line must be within the bound of.
 pub(super) struct Level<'a> {
     points: &'a [[f64; 3]],
     needed: usize,
-    /// Greatest |x| of the points: the rate at which a line's intercept changes with its slope.
+    /// Greatest |x| of the points, which is the greatest rate at which the line's allowed intercepts move with its slope.
     reach_px: f64,
-    /// Lower and upper ends of the intervals of intercepts that the points allow; the memory is kept between sweeps.
+    /// Lower and upper ends of the intervals of intercepts, one interval per point, for which a line is within the point's bound; the memory is kept
+    /// between sweeps.
     ends: RefCell<[Vec<f64>; 2]>,
 }
 
-/// A range of slopes `[from, to]` and the range of intercepts `[least, greatest]` of all lines with slopes in it.
+/// A leaf of the bisection: a range of slopes `[from, to]` and the range of intercepts `[least, greatest]` of all lines in question with slopes in
+/// it.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf {
     pub(super) slope: [f64; 2],
@@ -25,8 +27,8 @@ impl<'a> Level<'a> {
         Level { points, needed, reach_px, ends: RefCell::default() }
     }
 
-    /// Divides the range between two slopes into leaves, by ascending slope. The leaves are so narrow that each widens
-    /// the lines' intercepts by no more than `slack_px`.
+    /// Divides a range of slopes into small ranges (leaves), by ascending slope, and drops those that no line near enough to the points has. The
+    /// leaves are so narrow that each widens the lines' intercepts by no more than `slack_px`.
     pub(super) fn leaves(&self, slope: [f64; 2], slack_px: f64) -> Vec<Leaf> {
         let mut leaves = Vec::with_capacity(64);
         self.bisect(slope, slack_px, &mut leaves);
@@ -51,7 +53,7 @@ impl<'a> Level<'a> {
 
     /// Hull of the intercepts that at least `needed` points allow, each point for some slope in the range.
     ///
-    /// A point allows the intercepts `y − m·x ± bound`; over a range of slopes this is one interval. A sweep over the ends of these intervals
+    /// A point allows a line the intercepts `y − m·x ± bound`; over a range of slopes this is one interval. A sweep over the ends of these intervals
     /// finds where enough of them overlap: the number of intervals that cover `b` is the number that have begun less the number that have ended.
     fn intercepts(&self, slope: [f64; 2]) -> Option<[f64; 2]> {
         let [lower, upper] = &mut *self.ends.borrow_mut();
@@ -78,14 +80,14 @@ impl<'a> Level<'a> {
         Some([*least?.1, *greatest?.1])
     }
 
-    /// Least (or greatest) slope of a leaf that some line near enough to the points may have, to an eighth of the leaf's width.
+    /// Least (or greatest) slope, within a given range, that a line near enough to the points may have, found to an eighth of the range's width.
     fn sharpened(&self, slope: [f64; 2], greatest: bool) -> f64 {
         let [mut from, mut to] = slope;
         for _ in 0..3 {
             let middle = 0.5 * (from + to);
             let outer = if greatest { [middle, to] } else { [from, middle] };
-            // The outer half of the leaf's range of slopes is cut off if no line has its slope there; otherwise the
-            // search continues inside of the outer half.
+            // The outer half of the range of slopes is cut off if no line near enough to the points has its slope there; otherwise the search
+            // continues inside of the outer half.
             if greatest == self.intercepts(outer).is_none() { to = middle } else { from = middle }
         }
         if greatest { to } else { from }

@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::hough::Peak;
 
-/// Tolerance σ_r of the distance by (14a), when Hough peaks are grouped: a bent skeleton or one with spurs spreads one line over about a
-/// tile joint's width; two joints are a tile apart.
+/// Tolerance σ_r of the distance by (14a), when Hough peaks are grouped to lines: where the skeleton of a joint is bent or has spurs, the peaks of
+/// the one joint spread over about its width. Two joints are a whole tile apart.
 const SIGMA_R_PX: f64 = 10.0;
 /// Tolerance σ_ϑ of the angle by (14b), when Hough peaks are grouped: ten cells of the accumulator.
 const SIGMA_ANGLE_RAD: f64 = 0.045;
@@ -61,7 +61,8 @@ mod tests {
 
     #[test]
     fn peaks_on_both_sides_of_the_wrap_are_one_line() {
-        // Near ϑ = π/2, the line at a distance of 100 turned by ±0.01: beyond π/2 its perpendicular points the other way.
+        // The two peaks are the line at a distance of 100 with an angle 0.01 below and 0.01 above ϑ = π/2. Beyond π/2 the angle and the distance are
+        // written with the opposite sign.
         let peaks = [
             Peak { r_px: 100.0, angle_rad: FRAC_PI_2 - 0.01, votes: 300 },
             Peak { r_px: -100.0, angle_rad: -FRAC_PI_2 + 0.01, votes: 300 },

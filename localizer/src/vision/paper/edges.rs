@@ -1,4 +1,4 @@
-//! Canny edges of the restored image, closed to bands (the binarisation of paper 1, section 3.1).
+//! Canny edges of the deblurred image, joined by morphological closing to one band per tile joint (the binarisation of paper 1, section 3.1).
 
 use image::{GrayImage, Luma};
 use imageproc::distance_transform::Norm;
@@ -28,7 +28,8 @@ pub(super) fn bands(image: &GrayImage, joint_width_px: f64, border_px: usize) ->
             *pixel = Luma([0]);
         }
     }
-    // Smoothing moves the two edges of a narrow strip outwards by up to 2 px together; closing with half of the gap, rounded up, joins them.
+    // Smoothing moves the two edges of a narrow joint outwards by up to 2 px together. Morphological closing by half of the gap between them, rounded
+    // up, joins the two edges to one band.
     let reach = (0.5 * (joint_width_px + 2.0)).ceil().clamp(1.0, 20.0) as u8;
     close(&edges, Norm::LInf, reach)
 }

@@ -14,21 +14,22 @@ pub(super) struct Peak {
     pub(super) votes: u32,
 }
 
-/// Number of angles N_ϑ: steps of a quarter of a degree. Half of a step is 0.7 px at the end of a line across the image.
+/// Number of angles N_ϑ of the Hough transform, in steps of a quarter of a degree. Half of a step is 0.7 px at the end of a line across the image.
 const ANGLES: usize = 720;
-/// Width of an accumulator cell of r: one pixel, as wide as the skeleton.
+/// Width of a cell of the Hough accumulator in the distance r: one pixel, as wide as the skeleton.
 const CELL_PX: f64 = 1.0;
 
-/// Cells of the accumulator that have at least `votes_min` votes and no neighbour with more, sorted by decreasing votes.
+/// Cells of the Hough accumulator that have at least `votes_min` votes and no neighbour with more, sorted by decreasing votes.
 pub(super) fn peaks(skeleton: &Binary, votes_min: u32) -> Vec<Peak> {
-    // By equation (12), lines of the Hough transform have distances up to r_max = −r_min = √(µ² + ν²) for an image of µ × ν pixels.
+    // By equation (12) of paper 1, the signed distances of lines in the Hough transform lie between r_min = −r_max and r_max = √(µ² + ν²), for an
+    // image of µ × ν pixels.
     let r_max_px = (skeleton.width as f64).hypot(skeleton.height as f64);
     let cells = (2.0 * r_max_px / CELL_PX).ceil() as usize + 1;
     let white: Vec<(f64, f64)> = (0..skeleton.pixels.len())
         .filter(|&index| skeleton.pixels[index])
         .map(|index| ((index % skeleton.width) as f64, (index / skeleton.width) as f64))
         .collect();
-    // By equations (13a) and (13b), row i of the accumulator is an angle and column j a distance.
+    // By equations (13a) and (13b) of paper 1, row i of the accumulator is an angle and column j a distance.
     let mut accumulator = vec![0u32; ANGLES * cells];
     for (i, row) in accumulator.chunks_exact_mut(cells).enumerate() {
         let (sin, cos) = angle_rad(i).sin_cos();
@@ -54,7 +55,7 @@ fn angle_rad(i: usize) -> f64 {
     i as f64 * PI / ANGLES as f64 - FRAC_PI_2
 }
 
-/// Whether no neighbouring accumulator cell has more votes; beyond the first and the last angle, r changes its sign.
+/// Whether no neighbouring cell of the Hough accumulator has more votes. Beyond the first and the last angle, a line's distance r changes its sign.
 fn is_highest(accumulator: &[u32], cells: usize, i: usize, j: usize) -> bool {
     let votes = accumulator[i * cells + j];
     let row = |step: usize| {

@@ -30,8 +30,8 @@ fn spur(skeleton: &Binary, end: usize) -> Vec<usize> {
             skeleton.white_neighbours(here).into_iter().filter(|next| !path.contains(next)).collect();
         match ahead.as_slice() {
             [next] => path.push(*next),
-            // With two pixels ahead, this pixel of the skeleton is the junction. With none, the whole component is this
-            // short, and is removed because of its size.
+            // Two or more pixels ahead mean that this pixel of the skeleton is the junction. No pixel ahead means that the whole component ends here;
+            // it is so short that it is removed later because of its size.
             [] => return Vec::new(),
             _ => {
                 path.pop();

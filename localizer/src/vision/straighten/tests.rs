@@ -32,7 +32,8 @@ fn a_barrel_shows_a_place_nearer_to_the_middle() {
 
 #[test]
 fn a_straightened_picture_shows_what_the_raw_one_shows_at_its_source() {
-    // In an image whose grey level rises along one axis, the grey level of a pixel shows which raw pixel it was taken from.
+    // In a raw image whose grey level rises along one axis, the grey level of a pixel of the straightened image shows which raw pixel it was taken
+    // from.
     for (axis, per_px) in [(0, 0.3), (1, 0.5)] {
         let ramp = GrayImage::from_fn(SIZE_PX[0], SIZE_PX[1], |u, v| {
             image::Luma([(5.0 + per_px * f64::from([u, v][axis])).round() as u8])
@@ -70,12 +71,13 @@ fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
 
 #[test]
 fn a_lens_that_folds_back_is_cut_before_it_does() {
-    // The radial slope of the lens, D' = 1 − 1.8·r², is 0.2 at r = 2/3 or 267 px: a third of the distance to the corner is left out.
+    // For k1 = −0.6, the lens's slope along the radius is D' = 1 − 1.8·r². It is 0.2 at r = 2/3 or 267 px: a third of the distance to the corner is
+    // cut off.
     let lens = lens([-0.6, 0.0, 0.0, 0.0, 0.0]);
     assert!(lens.pixels().all(|[u, v]| (u - 320.0).hypot(v - 240.0) <= 267.0));
     assert!(lens.pixels().count() > 400 * 300);
-    // A lens makes an empty image from one of another size than its own. A single pixel can be straightened; without
-    // distortion there is nothing to straighten.
+    // Given an image of another size than it was prepared for, the straightening returns an empty image. An image of a single pixel can be prepared
+    // for; without distortion and motion there is nothing to straighten.
     assert_eq!(lens.straight(&GrayImage::new(640, 480)).dimensions(), (0, 0));
     assert!(Straightening::new([1, 1], 400.0, [0.1; 5], RowMotion::default()).is_some());
     assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], RowMotion::default()).is_none());
@@ -83,15 +85,15 @@ fn a_lens_that_folds_back_is_cut_before_it_does() {
 
 #[test]
 fn a_place_is_where_the_motion_has_brought_it_by_the_time_of_its_row() {
-    // By hand, without a lens: at a pixel 100 rows below the middle and 50 px to its right, a turn of 0.1 mrad per row
-    // moves the image down by 0.005 px and left by 0.01 px per row. With the shift (0.02, 0.01), and with the row of
-    // the pixel itself moved, too, v is 100/(1 − 0.015) below the middle.
+    // By hand, without a lens: 100 rows below the middle and 50 px to its right, a turn of the robot of 0.1 mrad per row moves the image down by
+    // 0.005 px and left by 0.01 px per row. A shift of (0.02, 0.01) per row is added. Because the point also moves to a later row, v is 100/(1 −
+    // 0.015) below the middle.
     let rows = RowMotion { shift_px: [0.02, 0.01], turn_rad: 1e-4 };
     let moving = Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).unwrap_or_else(|| panic!("a picture that moves"));
     let row = 100.0 / (1.0 - 0.015);
     let at = moving.at_row([370.0, 340.0]);
     assert!((at[1] - 240.0 - row).abs() < 1e-3 && (at[0] - 370.0 - 0.01 * row).abs() < 1e-3, "{at:?}");
-    // An image with too much motion from row to row is left as it is, as is one without motion.
+    // An image with too much motion from row to row is not corrected for it, and one without motion needs no correction.
     for rows in [RowMotion { shift_px: [0.0, 0.2], turn_rad: 0.0 }, RowMotion::default()] {
         assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).is_none());
     }
@@ -104,8 +106,8 @@ fn slopes_tell_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
         [([100.0, 50.0], 0.3_f64), ([600.0, 300.0], 1.2), ([320.0, 240.0], 2.0), ([30.0, 470.0], -0.7)]
     {
         let normal: [f64; 2] = [angle_rad.cos(), angle_rad.sin()];
-        // Images, by the lens, of a line through the place and of a line a hundredth of a pixel beside it. Their
-        // distance is the least one between points on both.
+        // Raw images, through the lens, of a straight line through the point `at` and of a line a hundredth of a pixel beside it. The distance
+        // between the raw images is the least one between points on both.
         let image = |across: f64, along: f64| {
             lens.raw_px([
                 at[0] + across * normal[0] - along * normal[1],
@@ -117,7 +119,8 @@ fn slopes_tell_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
             (there[0] - here[0]).hypot(there[1] - here[1])
         });
         let apart_px = nearest.fold(f64::MAX, f64::min);
-        // The stretch of the inverse lens distortion along the normal, |J⁻¹n|, by hand for the symmetric J.
+        // How much the inverse lens distortion stretches a distance along the line's normal n: |J⁻¹n|, by hand for the symmetric matrix J of the
+        // lens's slopes.
         let [a, mixed, b] = lens.slopes_over(at.map(Interval::point)).expect("the lens maps it").map(Interval::mid);
         let [x, y] = [b * normal[0] - mixed * normal[1], a * normal[1] - mixed * normal[0]];
         let stretch = x.hypot(y) / (a * b - mixed * mixed);

@@ -29,7 +29,7 @@ pub(super) fn draw(
 ) {
     paint(canvas, panel, pixels);
     let scale = panel.width_px / f64::from(pixels.width());
-    // The centre of pixel (0, 0) lies half a pixel inside the image's corner, before and after scaling.
+    // The centre of pixel (0, 0) lies half a pixel inside the image's corner, both in the image and in its scaled drawing.
     let place =
         |u_px: f64, v_px: f64| [panel.left_px + (u_px + 0.5) * scale - 0.5, panel.top_px + (v_px + 0.5) * scale - 0.5];
     let mut labels: Vec<[f64; 2]> = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn draw(
                 }
                 Claim::UprightLine { ends_px, .. } => edge(canvas, *ends_px, place, colour),
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
-                // A landmark is claimed from a range reading, never from an image.
+                // Only a range reading has claims of landmarks, an image never has, so there is nothing to draw.
                 Claim::Landmark { .. } => {}
             }
         }
@@ -104,8 +104,8 @@ fn edge(
     canvas.line(place(u0, v0), place(u1, v1), 2.5, colour);
 }
 
-/// Position for the text label of an edge's direction: `at`, or the nearest place below it where the label does not cover labels that are
-/// already written.
+/// Position for the text label of an edge's direction: the wanted position `at`, or the nearest one below it where the label does not cover labels
+/// that are already written.
 fn below_labels(labels: &[[f64; 2]], at: [f64; 2]) -> [f64; 2] {
     const SIZE_PX: [f64; 2] = [40.0, 16.0];
     let hides = |[left, top]: [f64; 2]| {

@@ -46,7 +46,7 @@ fn equalised(levels: &DeepImage) -> GrayImage {
     GrayImage::from_fn(levels.width(), levels.height(), |u, v| Luma([shown[usize::from(levels.get_pixel(u, v).0[0])]]))
 }
 
-/// A row of a contact sheet: one camera in every light.
+/// A row of a contact sheet: the pictures of one camera in every light.
 struct Row {
     still: usize,
     equalised: bool,

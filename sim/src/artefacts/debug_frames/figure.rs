@@ -105,7 +105,7 @@ fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &Ima
     canvas.text([left_of(TEXT_PX, &widths), 48.0], TEXT_PX, palette::FAINT_INK, &widths);
 }
 
-/// Says in words whether the union of boxes just after the image holds the truth, and in which colour to write it.
+/// Says in words whether the localizer's union of boxes, just after it used the image, holds the robot's true pose, and in which colour to write it.
 fn outcome(image: &ImageRecord) -> (String, Rgb<u8>) {
     let made = match (image.constrained, image.emptied) {
         (_, true) => "contradiction, ",

@@ -1,4 +1,4 @@
-//! The floor seen from above: room, floor joints as they were laid, route, trail, boxes and the true pose.
+//! The floor seen from above: room, floor joints as they were truly laid, route, driven trail, the localizer's boxes and the robot's true pose.
 
 use localizer::{Pose, PoseBox};
 
@@ -35,7 +35,7 @@ impl MapView {
         MapView { panel, centre_m: [width_m / 2.0, depth_m / 2.0 - SCALE_PX / 2.0 / pixels_per_m], pixels_per_m }
     }
 
-    /// A close map view of the surroundings of the true position, as far as the nearest branch of the union of boxes extends.
+    /// A close map view around the robot's true position, scaled to the nearest box of the estimate's union of boxes.
     pub(super) fn close_up(panel: Panel, image: &ImageRecord) -> MapView {
         let truth = image.truth.pose;
         let centre_m = [truth.x_m, truth.y_m];
@@ -45,12 +45,13 @@ impl MapView {
             reach(0).max(reach(1))
         };
         let reaches = image.posterior.branches.iter().map(reach_m);
-        // The nearest branch fills half of the panel. A view smaller than a centimetre or larger than a metre would show nothing of use.
+        // The nearest box of the estimate extends over half of the panel. A view smaller than a centimetre or larger than a metre would show nothing
+        // of use.
         let shown_m = (2.0 * reaches.fold(f64::INFINITY, f64::min)).clamp(0.01, 1.0);
         MapView { panel, centre_m, pixels_per_m: panel.width_px.min(panel.height_px) / 2.0 / shown_m }
     }
 
-    /// Draws the room, the floor joints, the floor's regions, stray lines on the floor, and the route.
+    /// Draws the room, the joints between floor tiles, the floor's regions, wires and tapes that lie on the floor, and the route.
     pub(super) fn draw_floor(&self, canvas: &mut Canvas, scene: &Scene, laid: Option<&LaidTiles>) {
         canvas.clipped(self.panel, |canvas| {
             let room = self.rectangle([0.0, scene.room.width_m], [0.0, scene.room.depth_m]);
@@ -59,7 +60,7 @@ impl MapView {
                 canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
             }
             if let (Some(tiles), Some(laid)) = (&scene.floor.tiles, laid) {
-                // Joints are also laid beyond the walls, so that drawing them is confined to the room.
+                // Joints between tiles are also laid beyond the walls, so the drawing of them is clipped to the room.
                 canvas.clipped(self.visible(&room), |canvas| self.draw_joints(canvas, tiles, laid));
             }
             // A floor covering hides the joints below it.
@@ -100,7 +101,7 @@ impl MapView {
         });
     }
 
-    /// Draws the occupied cells of the robot's map, the paths that were planned on it until `until_s`, and the goals.
+    /// Draws the occupied cells of the robot's grid map, the paths that were planned on it until `until_s`, and the goals of the robot's errands.
     pub(super) fn draw_errands(&self, canvas: &mut Canvas, scene: &Scene, record: &RunRecord, until_s: f64) {
         let Some(log) = &record.errands else { return };
         let grid = OccupancyGrid::of(scene);
@@ -122,7 +123,8 @@ impl MapView {
         });
     }
 
-    /// Draws landmarks at their true positions, and the boxes learnt for them; a box is red when the landmark is not in it.
+    /// Draws landmarks at their true positions, and the boxes in which the localizer has learnt that they lie; a box is red when its landmark is not
+    /// in it.
     pub(super) fn draw_landmarks(&self, canvas: &mut Canvas, scene: &Scene, image: &ImageRecord) {
         canvas.clipped(self.panel, |canvas| {
             for (code, [x, y]) in &image.landmarks {
@@ -153,7 +155,7 @@ impl MapView {
         });
     }
 
-    /// Draws the branches of the estimate, each with a wedge of its possible headings; all are red when no branch holds the truth.
+    /// Draws every box of the estimate, with a wedge of the headings that the box allows; all boxes are red when none of them holds the true pose.
     pub(super) fn draw_boxes(&self, canvas: &mut Canvas, image: &ImageRecord) {
         let is_contained = image.posterior.contains(image.truth.pose);
         let colour = if is_contained { palette::BOX } else { palette::MISS };
@@ -164,7 +166,7 @@ impl MapView {
                 let centre = self.place([x.mid(), y.mid()]);
                 let end =
                     |angle_rad: f64| [centre[0] + wedge_px * angle_rad.cos(), centre[1] - wedge_px * angle_rad.sin()];
-                // A heading interval of half a turn or more has no wedge to draw.
+                // A box whose heading interval is half a turn or more gets no wedge of headings.
                 if heading.width() < std::f64::consts::PI {
                     canvas.fill(&[centre, end(heading.lo()), end(heading.hi())], colour, 0.35);
                     canvas.line(centre, end(heading.lo()), 1.0, colour);

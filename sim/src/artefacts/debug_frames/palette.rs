@@ -19,7 +19,7 @@ pub(super) const TRAIL: Rgb<u8> = Rgb([130, 130, 136]);
 pub(super) const SEEN: Rgb<u8> = Rgb([86, 200, 245]);
 /// Colour of what the localizer claims to have seen, where the claim is false.
 pub(super) const FALSE: Rgb<u8> = Rgb([235, 80, 200]);
-/// Colour of segments that the localizer examined and rejected.
+/// Colour of line segments in an image that the localizer examined and rejected.
 pub(super) const REJECTED: Rgb<u8> = Rgb([240, 130, 20]);
 /// Colour of boxes that hold the truth.
 pub(super) const BOX: Rgb<u8> = Rgb([0, 114, 178]);

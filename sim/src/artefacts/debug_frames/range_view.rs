@@ -1,4 +1,5 @@
-//! A reading of the range camera drawn in the robot frame, with forward upwards: the box of each landmark code, and where the landmark truly is.
+//! A reading of the range camera drawn in the robot frame, with forward upwards: for each landmark code that was read, the box in which the localizer
+//! claims the landmark to lie, and the landmark's true position.
 
 use localizer::Claim;
 
@@ -56,7 +57,8 @@ pub(super) fn draw(
     });
 }
 
-/// Draws the edges of the horizontal field of view of the range camera's first view, and a circle for each metre of range.
+/// Draws the edges of the horizontal field of view of the range camera, for the first of its two stereo views, and a circle for each metre of range
+/// and for the least and the greatest range.
 fn field_of_view(canvas: &mut Canvas, camera: &RangeCamera, place: impl Fn(f64, f64) -> [f64; 2]) {
     const STEPS: usize = 48;
     let half_rad = (0.5 * f64::from(camera.width_px) / camera.focal_px).atan();

@@ -6,7 +6,8 @@ use crate::render::DeepImage;
 
 /// Share of a picture's pixels that are shown as black.
 const BLACK_SHARE: f64 = 0.005;
-/// Share of a picture's pixels that are darker than the knee of the tone curve; lamps and marker dots are among the rest.
+/// Share of a picture's pixels that are darker than the knee of the tone curve, the grey level at which its slope changes. Lamps and marker dots are
+/// among the pixels above the knee.
 const KNEE_SHARE: f64 = 0.95;
 /// Grey at which the knee of the tone curve is shown, from 0 for black to 1 for white. Brighter levels share the rest of the range, so that
 /// marker dots stand out from a bright ceiling.
@@ -31,8 +32,8 @@ pub(super) struct Tones {
 }
 
 impl Tones {
-    /// The tone curve for a picture's levels. It brings the median to a middle grey, which makes an image of 3 lx as legible as one of 300,
-    /// with or without a lamp in it. Above the knee a straight shoulder keeps bright levels apart.
+    /// The tone curve for a picture's grey levels. It brings the median to a middle grey, which makes an image of 3 lx as legible as one of 300, with
+    /// or without a lamp in it. Above the curve's knee a straight shoulder keeps bright levels apart.
     pub(super) fn of(levels: impl Iterator<Item = u16>) -> Tones {
         let mut counts = vec![0_usize; 1 << 16];
         levels.for_each(|level| counts[usize::from(level)] += 1);
@@ -51,7 +52,7 @@ impl Tones {
         // Where no level is brighter than the tone curve's knee, the knee itself is shown as white.
         let knee_shown = if knee < f64::from(white) { KNEE_SHOWN } else { 1.0 };
         let median = f64::from(quantile(0.5) - black) / (knee - f64::from(black));
-        // A median grey level equal to black stays black: a dark ceiling is shown dark.
+        // A picture whose median grey level equals the black level stays black there: a dark ceiling is shown dark.
         let exponent = if median > 0.0 { (MEDIAN_SHOWN / knee_shown).ln() / median.ln() } else { 1.0 };
         // A median at the knee of the tone curve has the relative level 1, of logarithm 0, and is shown equally bright with any exponent.
         let exponent = if exponent < 0.0 { EXPONENTS[1] } else { exponent.clamp(EXPONENTS[0], EXPONENTS[1]) };
@@ -64,7 +65,8 @@ impl Tones {
         if level <= self.knee {
             return self.knee_shown * ((level - black).max(0.0) / (self.knee - black)).powf(self.exponent);
         }
-        // Only levels above the tone curve's knee get here. The picture's brightest level, white, is then above the knee, too, and the divisor not 0.
+        // Only a level above the tone curve's knee reaches this line. The picture's brightest level, which is shown as white, is then above the knee,
+        // too, and the divisor not 0.
         self.knee_shown + (1.0 - self.knee_shown) * (level - self.knee) / (f64::from(self.white) - self.knee)
     }
 }
@@ -93,7 +95,7 @@ mod tests {
         counts.iter().map(|(level, _)| (255.0 * mapping.share(*level)).round()).collect()
     }
 
-    /// A histogram of `count` pixels whose levels are spread by Gaussian noise around a middle.
+    /// A made-up histogram of `count` pixels whose grey levels are spread by Gaussian noise around the level `middle`.
     fn noise(middle: f64, deviation: f64, count: f64) -> Vec<(u16, usize)> {
         let share = |level: u16| (-0.5 * ((f64::from(level) - middle) / deviation).powi(2)).exp() / deviation / 2.507;
         let levels = 0..(middle + 5.0 * deviation) as u16;

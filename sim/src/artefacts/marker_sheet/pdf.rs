@@ -19,7 +19,7 @@ impl Page {
     /// An empty page.
     pub(super) fn new() -> Page {
         let mut content = Content::new();
-        // Transforms millimetres, with y pointing down, into points, with y pointing up.
+        // Transforms positions on the page from millimetres, with y pointing down, into points, with y pointing up.
         let scale = POINTS_PER_MM as f32;
         content.transform([scale, 0.0, 0.0, -scale, 0.0, (A4_MM[1] * POINTS_PER_MM) as f32]);
         Page { content }

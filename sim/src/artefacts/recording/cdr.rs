@@ -76,7 +76,7 @@ impl Message {
         self.time(time_s).text(frame)
     }
 
-    /// Adds the fields that the function `fields` writes.
+    /// Adds a group of fields, such as a nested message, which the function `fields` writes.
     pub(super) fn with(self, fields: impl FnOnce(Message) -> Message) -> Message {
         fields(self)
     }

@@ -1,4 +1,4 @@
-//! Messages that carry readings, starts and estimates to the last bit, for replays: encoding and decoding.
+//! Messages that carry the localizer's starts, readings and estimates to the last bit, for replays: encoding and decoding.
 
 use image::GrayImage;
 use localizer::{
@@ -17,12 +17,13 @@ pub(crate) const RANGE: &str = "/wherein/range";
 pub(crate) const OTHER: &str = "/wherein/other";
 pub(crate) const ESTIMATE: &str = "/wherein/estimate";
 
-/// A start of the localizer: at a station, or for a drive.
+/// A start of the localizer: for a drive, or at a station (a pose at which the robot is put and stands still for one image).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    /// Offset that is added to the times of the readings and estimates that follow the start.
+    /// Offset that is added to the times of the readings and estimates that follow the start, because the localizer's own time begins at 0 at every
+    /// start.
     pub(crate) offset_s: f64,
-    /// Index of the station at which the localizer starts; `None` for a drive.
+    /// Index of the station (a pose at which the robot is put for one image) at which the localizer starts; `None` for a drive.
     pub(crate) station: Option<usize>,
 }
 
@@ -144,10 +145,10 @@ impl ImageStamp {
         Some(ImageStamp { measured_s, arrived_s, exposure_s, camera })
     }
 
-    /// The camera reading made of this stamp and of the `sensor_msgs/Image` that follows it.
+    /// The camera reading made of this image stamp and of the `sensor_msgs/Image` that follows it in the recording.
     pub(crate) fn with_image(self, message: &[u8]) -> Option<Reading> {
         let mut fields = Fields::of(message)?;
-        // The header consists of seconds, nanoseconds and the frame.
+        // The header of a `sensor_msgs/Image` consists of seconds, nanoseconds and the frame.
         let _header = (fields.u32()?, fields.u32()?, fields.text()?);
         let (height, width) = (fields.u32()?, fields.u32()?);
         if (fields.text()?, fields.u8()?, fields.u32()?) != ("mono8", 0, width) {

@@ -69,7 +69,7 @@ impl Recording {
         Ok(Stream::new(begun, form, &file.scene))
     }
 
-    /// Adds the verdict, closes the file and moves it into the run's folder `run`.
+    /// Adds the judge's verdict on the run, closes the recording's file and moves it into the run's folder `run`.
     pub fn finish(mut self, summary: &Summary<'_>, run: &Path) -> Result<(), RecordError> {
         self.judge(summary.verdict);
         let entries = [
@@ -87,7 +87,7 @@ impl Recording {
         if let Some(error) = self.sink.failed.take() {
             return naming("write", &self.sink.path, Err(io::Error::other(error)));
         }
-        // The bytes that the buffer still holds are written here, where an error can be reported.
+        // The bytes that the file's write buffer still holds are written here, where an error can be reported.
         let flushed = self
             .sink
             .writer
@@ -112,7 +112,8 @@ impl Recording {
         bag::metadata_yaml(file_name, &topics, self.sink.last_ns)
     }
 
-    /// Writes the verdict as log messages. They stand at the end of the file, each with the time of the event that it reports.
+    /// Writes the judge's verdict as log messages: bounds that were exceeded, and where the truth was first outside the boxes. The messages stand at
+    /// the end of the file, each with the time of the event that it reports.
     fn judge(&mut self, verdict: &Verdict) {
         for violation in &verdict.violations {
             let text = format!(
@@ -170,7 +171,7 @@ impl McapFile {
 
 impl Drop for McapFile {
     fn drop(&mut self) {
-        // A finished recording has been moved away already; the file that a failed run leaves is of no use.
+        // The file of a finished recording has been moved to the run's folder already. The partial file that a failed run leaves is of no use.
         let _ = fs::remove_file(&self.path);
     }
 }

@@ -40,14 +40,14 @@ pub struct LiveServer {
 }
 
 impl LiveServer {
-    /// Listens at an address; with port 0 the system chooses the port.
+    /// Listens for viewers at a network address; with port 0 the system chooses the port.
     pub fn start(address: SocketAddr) -> Result<LiveServer, LiveError> {
         let context = Context::new();
         let server = WebSocketServer::new()
             .name("wherein")
             .bind(address.ip().to_string(), address.port())
             .capabilities([Capability::Time])
-            // The backlog is large enough that a viewer that is slow for some seconds misses nothing.
+            // The backlog of messages that wait for a viewer is large enough that a viewer that is slow for some seconds misses nothing.
             .message_backlog_size(8192)
             .context(&context);
         let handle = server.start_blocking().map_err(|source| LiveError { address, source })?;
@@ -145,6 +145,6 @@ fn announced(context: &Arc<Context>, topic: &str, kind: &str) -> Arc<RawChannel>
     let schema =
         Schema { name: kind.replace('/', "/msg/"), encoding: "ros2msg".to_owned(), data: Cow::Owned(definition) };
     let channel = ChannelBuilder::new(topic).schema(schema).message_encoding("cdr").context(context);
-    // Building a channel fails only without an encoding.
+    // A channel cannot be built only where no encoding is stated, and here one is.
     channel.build_raw().unwrap_or_else(|_| unreachable!("the encoding is stated"))
 }

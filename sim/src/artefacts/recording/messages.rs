@@ -130,7 +130,7 @@ pub(super) fn log(time_s: f64, level: Level, name: &str, text: &str) -> Vec<u8> 
     Message::new().time(time_s).u8(level as u8).text(name).text(text).text("").text("").u32(0).finish()
 }
 
-/// Adds a position and an attitude; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
+/// Adds a position in the plane and an attitude to a message; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
 pub(super) fn planar_pose(message: Message, pose: Pose, z_m: f64) -> Message {
     let (sin, cos) = (pose.heading_rad / 2.0).sin_cos();
     message.f64s(&[pose.x_m, pose.y_m, z_m, 0.0, 0.0, sin, cos])

@@ -73,7 +73,7 @@ pub(crate) enum Part<'a> {
     Scene(&'a str),
     /// A message; messages come in the order of events.
     Message { topic: &'a str, message: &'a [u8] },
-    /// Seed, version, adapter and digests of the run; they come after every message.
+    /// Seed, version, graphics adapter and digests of the run; they come after every message.
     Facts(&'a BTreeMap<String, String>),
 }
 

@@ -10,7 +10,7 @@ pub(super) struct Column {
     pub(super) heading: &'static str,
     /// Unit of the column's figures.
     pub(super) unit: &'static str,
-    /// Function that gives the text of a line's cell; the text is empty when the line has no such figure.
+    /// Function that gives the text of the column's cell for a line of the table; the text is empty when the line has no such figure.
     pub(super) cell: fn(&Line) -> String,
     /// Whether the column's cells are aligned to the left, as text is.
     pub(super) is_text: bool,
@@ -24,10 +24,11 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
     Column { heading, unit, cell, is_text: false }
 }
 
-/// All columns of the result table, from left to right. Errors are those of the worst third of a run. Widths are full widths, the wider of
-/// x and y, averaged over the run ("width") and over the instants just after a fix ("at fix"). "error / half" is |error| over half the
-/// width after the first 5 s: the greatest value, and the value that one step in a thousand exceeds; over several runs, that of the run
-/// where it is greatest. A method's share of position and heading counts how often the method halved the widths.
+/// All columns of the result table, from left to right. Errors are those of the third of a run in which they were greatest. Widths are full widths of
+/// the box around the estimate, the wider of x and y, averaged over the run ("width") and over the instants just after a fix, a reading that
+/// constrained the pose ("at fix"). "error / half" is |error| of the box's middle over half the box's width, after the first 5 s: the greatest ratio,
+/// and the ratio that one step in a thousand exceeds; over several runs, that of the run where it is greatest. A method's "of position" and "of
+/// heading" are its shares of all the times that methods halved the box's widths.
 pub(super) const COLUMNS: [Column; 29] = [
     text("scene", |line| line.scene.clone()),
     text(RUN, |line| line.run.clone()),
@@ -77,7 +78,8 @@ fn goals_reached(figures: &Figures) -> Option<f64> {
     (*errands > 0.0).then(|| reached / errands)
 }
 
-/// |Error| over half the width along an axis, after the first 5 s: the greatest value, and the value that one step in a thousand exceeds.
+/// |Error| of the middle of the estimate's box over half the box's width along an axis, after the first 5 s: the greatest ratio, and the ratio that
+/// one step in a thousand exceeds.
 fn power(figures: &Figures, axis: &str) -> String {
     let figure = |which: &str| figures.get(&format!("power.after_5_s.{axis}.{which}"));
     match (figure("max"), figure("p999")) {

@@ -16,7 +16,7 @@ pub fn as_markdown(lines: &[Line]) -> String {
     tables(lines).into_iter().map(|(kind, lines)| markdown(kind, &lines)).collect::<Vec<_>>().join("\n")
 }
 
-/// The lines grouped by kind; lines of different kinds fill different columns.
+/// The table's lines grouped by kind (runs, methods, baselines), because lines of different kinds fill different columns.
 fn tables(lines: &[Line]) -> Vec<(Kind, Vec<&Line>)> {
     let of = |kind: Kind| (kind, lines.iter().filter(|line| line.kind == kind).collect::<Vec<_>>());
     [Kind::Runs, Kind::Method, Kind::Baseline].map(of).into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
@@ -68,7 +68,7 @@ fn markdown(kind: Kind, lines: &[&Line]) -> String {
     text
 }
 
-/// The heading of a column. The column that names runs is headed `method` or `baseline` in the tables of these.
+/// The heading of a column. In the tables of methods and of baselines the column that otherwise names runs is headed `method` or `baseline`.
 fn heading(column: &Column, kind: Kind) -> &'static str {
     match (column.heading, kind) {
         (RUN, Kind::Method) => "method",

@@ -7,8 +7,8 @@ use crate::judge::figures::Figures;
 /// Names of the figures that count events on errands, such as collisions.
 const ERRAND_COUNTS: [&str; 6] = ["errands", "goals_reached", "goals_missed", "arrivals_off", "replans", "collisions"];
 
-/// Pools the figures of all `runs`: counts are added, root mean squares are pooled as squares, greatest and least values stay greatest and
-/// least, and everything else is averaged over the runs that measured it.
+/// Pools the figures of all `runs`: counts are added, root mean squares are pooled as squares, of greatest values the greatest is taken and of least
+/// values the least, and everything else is averaged over the runs that measured it.
 pub(crate) fn pool(runs: &[&Figures]) -> Figures {
     let mut by_name: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (name, value) in runs.iter().flat_map(|figures| figures.iter()) {
@@ -32,7 +32,8 @@ pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
     baselines
 }
 
-/// For each method in `figures`, its number of fixes and its share of all halvings of the boxes' widths; empty unless several methods contribute.
+/// For each of the localizer's methods in `figures`, its numbers of readings and of fixes, and its shares of all the times that methods halved the
+/// widths of the estimate's box, in position and in heading; empty unless several methods contribute.
 pub(crate) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
     let names = figures.keys().filter_map(|name| name.strip_prefix("methods.")?.strip_suffix(".constraints"));
     let names: Vec<&str> = names.collect();
@@ -82,7 +83,7 @@ fn combine(name: &str, values: &[f64]) -> f64 {
     }
 }
 
-/// Adds the figures that follow from pooled figures rather than from those of each run.
+/// Adds the figures that follow from the pooled figures rather than from those of each run, such as shares of pooled counts.
 fn derive(pooled: &mut Figures) {
     let quotient = |figures: &Figures, part: &str, whole: &str| Some(figures.get(part)? / figures.get(whole)?);
     if let Some(share) = quotient(pooled, "containment.contained", "containment.checks") {

@@ -1,4 +1,5 @@
-//! SHA-256 digests of canonical bytes: two runs are equal if and only if their digests are.
+//! SHA-256 digests of the bytes in which scenes, true states and estimates are written in one fixed form: two runs are equal if and only if their
+//! digests are.
 
 use std::{env, fmt::Write, fs, io, sync::OnceLock};
 
@@ -31,7 +32,7 @@ pub fn program_digest() -> Option<&'static str> {
     DIGEST.get_or_init(|| of_file().ok()).as_deref()
 }
 
-/// Digest of every field of the true states, in the order of `Truth`, as little-endian f64.
+/// Digest of every field of the run's true states, in the order of the fields of `Truth`, as little-endian f64.
 pub(super) fn truth_digest(truths: &[Truth]) -> String {
     let mut numbers = Numbers::default();
     for truth in truths {
@@ -47,7 +48,7 @@ pub(super) fn truth_digest(truths: &[Truth]) -> String {
     numbers.digest()
 }
 
-/// Digest of the time, status, number of branches and all bounds of every estimate, as little-endian f64.
+/// Digest of every estimate's time, status, number of boxes and all bounds of its boxes, as little-endian f64.
 pub(crate) fn estimates_digest(estimates: &[Estimate]) -> String {
     let mut numbers = Numbers::default();
     for estimate in estimates {

@@ -1,4 +1,5 @@
-//! The file `marker_tables.md`: paper 5's Tables 1 to 3 as printed there, for the paper's own pipeline, with this localizer's boxes beside it.
+//! The file `marker_tables.md`: Tables 1 to 3 in the form in which Zhou et al. 2016 (paper 5) print them, for that paper's own pipeline, with this
+//! localizer's boxes beside it.
 
 use std::fmt::Write;
 
@@ -12,10 +13,10 @@ use crate::{
 const CENTIMETRES: f64 = 100.0;
 const MILLIMETRES: f64 = 1000.0;
 
-/// The tables of a run at stations under markers; `None` for any other run.
+/// The tables of a run in which the robot is put at stations under ceiling markers; `None` for any other run.
 ///
-/// Positions are the camera's, in world coordinates, and deviations are real minus output, as in the paper. The cells of a picture without
-/// a marker stay empty. The elapsed time of Table 1 differs from run to run and stands in `timing.json`.
+/// Positions are the camera's, in world coordinates, and deviations are real minus output, as in Zhou et al. 2016 (paper 5). The cells of a picture
+/// without a marker stay empty. The elapsed time in the paper's Table 1 differs from run to run and stands in `timing.json`.
 pub(super) fn marker_tables(scene: &Scene, record: &RunRecord) -> Option<String> {
     let answers = &record.marker_baselines.answers;
     if scene.stations.is_empty() || answers.is_empty() {
@@ -26,7 +27,7 @@ pub(super) fn marker_tables(scene: &Scene, record: &RunRecord) -> Option<String>
     Some([identification(scene, record, &rows), angles(&rows), positions(record, &rows)].join("\n"))
 }
 
-/// Table 1 (identification), for the paper's pipeline and for this localizer.
+/// Table 1 of Zhou et al. 2016 (identification of markers), for the paper's pipeline and for this localizer.
 fn identification(scene: &Scene, record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     let counts = marker_counts(scene, record);
     let mut text = "**Identification** (Table 1): pictures with a whole marker in view\n\n\
@@ -72,7 +73,7 @@ fn angles(rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     text
 }
 
-/// Table 3 (positions). The columns named "our" are the deviations and the full widths of the robot's box.
+/// Table 3 of Zhou et al. 2016 (positions). The columns named "our" are the deviations and the full widths of this localizer's box for the robot.
 fn positions(record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     let mut text = "**Position** (Table 3), of the camera, in centimetres; our deviations and widths in millimetres\n\n\
                     | number | X | Y | Z | output X | Y | Z | deviation X | Y | Z | P(S) | our deviation X | Y | our width X | Y |\n\
@@ -96,7 +97,7 @@ fn positions(record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> Strin
     text
 }
 
-/// Middle and full width (m, m, rad) of the box after a picture; `None` when the picture gave no fix.
+/// Middle and full width (m, m, rad) of the localizer's box just after a picture; `None` when the picture gave no fix.
 fn box_of(image: &ImageRecord) -> Option<([f64; 3], [f64; 3])> {
     let hull = image.posterior.hull();
     let middle = midpoint(&hull);

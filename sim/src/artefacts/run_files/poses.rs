@@ -12,7 +12,8 @@ pub(super) fn truth_tum(record: &RunRecord) -> String {
     tum(poses)
 }
 
-/// Midpoints of the estimates' hulls in the TUM format. A time at which no pose is left has no line.
+/// Midpoints of the estimates' hulls in the TUM format; a hull is the smallest box around an estimate's boxes. A time at which no pose is left has no
+/// line.
 pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {
     let answered = estimates.iter().filter(|estimate| !estimate.pose.is_empty());
     tum(answered.map(|estimate| {
@@ -21,7 +22,7 @@ pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {
     }))
 }
 
-/// Every branch of every estimate, one on each line; a time at which no pose is left has no line.
+/// Every box of every estimate, one on each line; a time at which no pose is left has no line.
 pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
     let mut text = "time_s,status,branch,x_min_m,x_max_m,y_min_m,y_max_m,heading_min_rad,heading_max_rad\n".to_owned();
     for estimate in estimates {
@@ -41,10 +42,11 @@ pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
     text
 }
 
-/// Error of the hull's midpoint, full width of the hull, and judgement, one step on each line; at a step without a pose the fields are empty.
+/// Error of the midpoint and full width of the estimate's hull (the smallest box around its boxes), and the judge's judgement, one step on each line;
+/// at a step without a pose the fields of error and width are empty.
 ///
-/// The truth is within the hull along an axis when the error there is at most half the width. The truth may lie in the hull of a union of
-/// several branches but in none of the branches, so that only `judgement` says whether the union holds the truth.
+/// The truth is within the hull along an axis when the error there is at most half the width. The truth may lie in the hull but in none of the boxes,
+/// so that only `judgement` says whether the union of boxes holds the truth.
 pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
     let mut text =
         "time_s,judgement,error_x_m,error_y_m,error_heading_rad,width_x_m,width_y_m,width_heading_rad\n".to_owned();

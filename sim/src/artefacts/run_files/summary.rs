@@ -14,7 +14,7 @@ use crate::{
 
 use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
 
-/// Everything that `summary.json` holds, in its order. It is equal for equal scene, seed, version and adapter.
+/// Everything that `summary.json` holds, in the file's order. It is equal for equal scene, seed, program version and graphics adapter.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary<'a> {
     /// Name of the scene.
@@ -79,7 +79,8 @@ pub struct Timing {
     duration_s: f64,
     images: usize,
     spent: run::Timing,
-    /// Microseconds that each solver takes for one problem, by the solver's name.
+    /// Mean time in microseconds that each baseline solver (another localization method on the same readings) takes for one problem, by the solver's
+    /// name.
     solve_us: BTreeMap<&'static str, f64>,
     scene_path: PathBuf,
     settings: Vec<Setting>,
@@ -106,8 +107,8 @@ impl Timing {
         }
     }
 
-    /// Content of the file `timing.json`. `program` is the digest of the executable, by which `--resume` recognises its own results;
-    /// `scene_path` and `set` are what a command that repeats the run has to name.
+    /// Content of the file `timing.json`. Its `program` is the digest of the executable, by which `--resume` recognises results of its own build; its
+    /// `scene_path` and `set` (changed keys of the scene) are what a command that repeats the run has to name.
     pub(super) fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);

@@ -1,10 +1,10 @@
-//! Shell commands that run a case again.
+//! Shell commands that repeat the run of a case.
 
 use std::{env, fmt};
 
 use super::CaseResult;
 
-/// A shell command that runs one case again and writes its debug frames.
+/// A shell command that runs one case again and writes its debug frames, the pictures that show what the vision found in camera images.
 #[derive(Clone, Debug)]
 pub struct Replay(String);
 
@@ -17,7 +17,7 @@ impl Replay {
             words.extend(["--set".to_owned(), setting.to_string()]);
         }
         words.extend(["--seed".to_owned(), case.seed.to_string()]);
-        // A case that passed and never lost the truth has no failure for which debug frames could be drawn.
+        // In a case that passed and never lost the truth there is no failure to draw, so that a debug frame of every 20th image is asked for.
         let is_clean = case.passed() == Some(true) && case.first_failure().is_null();
         let frames = if is_clean { "every=20" } else { "failures" };
         words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
@@ -31,7 +31,8 @@ impl fmt::Display for Replay {
     }
 }
 
-/// Returns the words that call this program as it was called, with the graphics adapter that the user chose: other adapters give other bytes.
+/// Returns the beginning of a command line that starts this program again: the program's name as the user called it, and the option for the graphics
+/// adapter that the user chose, as other adapters give other bytes.
 pub fn program() -> Vec<String> {
     let mut arguments = env::args();
     let mut words = vec![arguments.next().unwrap_or_else(|| "wherein".to_owned())];

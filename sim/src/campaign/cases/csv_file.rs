@@ -27,7 +27,7 @@ fn text(cell: &Cell) -> String {
 
 /// Returns the names of the columns and all rows of a CSV text, as texts, or a message that says what is wrong with the text.
 pub fn from_csv(text: &str) -> Result<(Vec<String>, Vec<Vec<String>>), String> {
-    // The CSV reader accepts a file that ends within quotes, although such a file has been cut off.
+    // The library that reads CSV accepts a file that ends within quotes. Such a file has been cut off, so that it is refused here.
     if !text.matches('"').count().is_multiple_of(2) {
         return Err("a quote that is never closed".to_owned());
     }

@@ -1,4 +1,4 @@
-//! Tables of results as Parquet files, for tools that read columns. Compiled with the feature `parquet` only.
+//! Tables of results as Parquet files, a binary format that stores tables by columns. Compiled with the feature `parquet` only.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ pub fn to_parquet(table: &Table) -> Result<Vec<u8>> {
                 _ => None,
             })?,
             Physical::INT64 => fill::<Int64Type>(&mut open, cells, |cell| match cell {
-                // Parquet's signed integers end at 2⁶³; a seed at or beyond that keeps its bits.
+                // The greatest signed integer of Parquet is 2⁶³ − 1; a seed above that is stored with the same bits and reads as a negative number.
                 Cell::Whole(number) => Some(*number as i64),
                 _ => None,
             })?,

@@ -32,9 +32,9 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// First columns of the table of results, before those of the keys that vary.
+/// Names of the first columns of the table of results. The columns of the scene keys that vary follow.
 const IDENTITY: [&str; 2] = ["case", "scene"];
-/// Columns of the table of results after those of the keys that vary.
+/// Names of the columns of the table of results that follow the columns of the scene keys that vary.
 const OUTCOME: [&str; 10] = [
     "seed",
     "status",
@@ -47,11 +47,11 @@ const OUTCOME: [&str; 10] = [
     "blame",
     "violated_bounds",
 ];
-/// Last columns of the table of results.
+/// Names of the last columns of the table of results.
 const ORIGIN: [&str; 4] = ["version", "adapter", "digest.scene", "digest.estimates"];
 
 impl Table {
-    /// Creates the table of `results`. A case that did not run has a row without figures.
+    /// Creates the table of `results`. The row of a case that did not run has no numerical results.
     pub fn of(results: &Results) -> Table {
         let keys = results.keys();
         let figures: Vec<Figures> = results.cases.iter().map(shown_figures).collect();
@@ -73,7 +73,7 @@ impl Table {
     }
 }
 
-/// Returns all figures of a case but those that have columns of their own.
+/// Returns the numerical results of a case, without the seed and the first failure, which have columns of their own.
 fn shown_figures(case: &CaseResult) -> Figures {
     let mut figures = case.figures();
     figures.retain(|name, _| name != "seed" && !name.starts_with("containment.first_failure."));

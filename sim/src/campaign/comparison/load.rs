@@ -17,7 +17,7 @@ use crate::{
     judge::figures::Figures,
 };
 
-/// One side of a comparison: its cases, named by scene, settings and seed.
+/// One of the two sets of results that are compared: its cases, named by scene, settings and seed.
 #[derive(Clone, Debug, Default)]
 pub struct Side {
     /// Cases that ran, by name.
@@ -31,9 +31,9 @@ pub struct Side {
 pub struct Case {
     /// Seed of the case.
     pub seed: u64,
-    /// Whether the case met its scene's expectations; none when its table has no such column.
+    /// Whether the case met its scene's expectations; none when the table of results has no column for this.
     pub passed: Option<bool>,
-    /// Figures of the case that are finite numbers.
+    /// Numerical results of the case by name, as far as they are finite numbers.
     pub figures: Figures,
 }
 

@@ -5,7 +5,8 @@ use super::{Comparison, Finding, Line};
 /// Greatest number of cases that are listed by name under each heading.
 const MOST_NAMED: usize = 10;
 
-/// Writes a comparison as text: a line for each figure, then the cases that lost or regained containment.
+/// Writes a comparison of two sets of results as text: a line for each compared quantity, then the cases in which the second set lost or regained the
+/// truth.
 pub fn as_text(comparison: &Comparison) -> String {
     let headings = ["figure", "first", "second", "difference", "interval", "second is"].map(str::to_owned);
     let rows: Vec<[String; 6]> = [headings].into_iter().chain(comparison.lines.iter().map(row)).collect();

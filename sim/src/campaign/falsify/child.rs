@@ -14,13 +14,13 @@ use super::probe::{Outcome, Told};
 /// How the run of a scene ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
-    /// The scene is not valid, because of this key.
+    /// The scene was refused as invalid; the text names the first key that is wrong.
     Refused(String),
     /// The run reached its end.
     Ran(Outcome),
-    /// The process ended before the run did.
+    /// The process crashed: it ended before the simulated run was complete.
     Crashed {
-        /// Simulated time that the run had reached.
+        /// Simulated time that the run had reached when its process ended or was killed.
         at_s: f64,
         /// Place of the panic in the source, the exit status of the process, or the limit of memory that it exceeded.
         place: String,
@@ -29,12 +29,12 @@ pub enum Ending {
     },
     /// The run took far longer than runs of similar scenes.
     Hung {
-        /// Simulated time that the run had reached.
+        /// Simulated time that the run had reached when its process ended or was killed.
         at_s: f64,
-        /// Processor time that the process had taken.
+        /// Processor time that the process had taken when it was killed.
         took_s: f64,
     },
-    /// The process could not render, or somebody outside the search ended it.
+    /// The run could not be made: no graphics adapter worked, or a signal from outside the search ended the process. The text is the reason.
     CouldNotRun(String),
 }
 
@@ -50,22 +50,22 @@ pub(super) struct Run<'a> {
     pub(super) driver_threads: Option<usize>,
 }
 
-/// Processor time that a process may take to read a scene, start a graphics adapter and finish. On two cores at 3 GHz these take 0.01 to
-/// 1 s, most of it for an adapter, but up to 20 s where markers are laid out over a room of a few metres.
+/// Processor time that a process may take to read a scene, start a graphics adapter and finish. On two cores at 3 GHz these take 0.01 to 1 s, most of
+/// it for an adapter, but up to 20 s where the program itself has to find places for markers all over the ceiling of a room of a few metres.
 const START_S: f64 = 40.0;
 /// Processor time that a process may take for a second of simulation without cameras. The average over sixty scenes drawn at random was 0.008 s.
 const SIMULATION_S: f64 = 1.0;
-/// Processor time that a process may take for a million pixels. Rendering and vision take 0.1 to 0.3 s on a software adapter.
+/// Processor time that a process may take for a million pixels of camera images. Rendering and vision take 0.1 to 0.3 s on a software adapter.
 const MEGAPIXEL_S: f64 = 3.0;
 /// Ratio of the wall-clock time to the processor time that a process may take, as many processes may share the machine.
 const WALL_PER_PROCESSOR: f64 = 10.0;
 /// Memory in kilobytes beyond which a process is killed: a run with three cameras takes 0.4 GB.
 const MOST_MEMORY_KB: u64 = 3_000_000;
-/// Interval at which the time and the memory of a process are checked.
+/// Interval at which the processor time and the memory of a run's process are checked.
 const LOOK: Duration = Duration::from_millis(20);
 
 impl Run<'_> {
-    /// Starts the process and waits until the run has ended, or until the process has to be killed.
+    /// Starts the child process of a run and waits until the run has ended, or until the process has to be killed.
     pub(super) fn run(&self) -> io::Result<Ending> {
         let mut child = self.start()?;
         let began = Instant::now();
@@ -108,7 +108,7 @@ impl Run<'_> {
     }
 }
 
-/// Receives the reports that the process writes to standard output, one per line.
+/// Starts a thread that receives the reports that the process writes to standard output, one per line.
 fn listen(child: &mut Child) -> Receiver<Told> {
     let (sender, receiver) = mpsc::channel();
     if let Some(output) = child.stdout.take() {
@@ -124,7 +124,7 @@ fn listen(child: &mut Child) -> Receiver<Told> {
     receiver
 }
 
-/// Receives the text that the process writes to standard error, all of it when the process has ended.
+/// Starts a thread that collects the text that the process writes to standard error, and sends all of it on when the process has ended.
 fn overhear(child: &mut Child) -> Receiver<String> {
     let (sender, receiver) = mpsc::channel();
     if let Some(mut errors) = child.stderr.take() {
@@ -137,7 +137,7 @@ fn overhear(child: &mut Child) -> Receiver<String> {
     receiver
 }
 
-/// Follows a run to its end. The error is the simulated time that the run had reached when its process ended too early.
+/// Follows a run in its child process to the end. The error is the simulated time that the run had reached when its process ended too early.
 fn attend(child: &mut Child, told: &Receiver<Told>, began: Instant) -> Result<Ending, f64> {
     let (mut at_s, mut allowed_s) = (0.0, START_S);
     loop {
@@ -165,9 +165,9 @@ fn attend(child: &mut Child, told: &Receiver<Told>, began: Instant) -> Result<En
     }
 }
 
-/// Returns why a process ended, if a signal ended it by which a terminal, a person or a service manager interrupts programs: the run is not to
-/// blame then. Of the signals that end a process for good, SIGKILL may come from a system that is short of memory, for which a run may well be
-/// to blame.
+/// Returns why a process ended, if it ended by one of the signals with which a terminal, a person or a service manager interrupts programs: the
+/// simulated run is not at fault then. SIGKILL is not among these signals, as it may come from a system that is short of memory, which may well be
+/// the fault of the run.
 fn interruption(status: ExitStatus) -> Option<String> {
     #[cfg(unix)]
     {
@@ -224,7 +224,8 @@ mod tests {
         for interrupts in [1, 2, 15] {
             assert!(interruption(ExitStatus::from_raw(interrupts)).unwrap().contains(&interrupts.to_string()));
         }
-        // SIGABRT, SIGKILL and SIGSEGV end a run that has gone wrong. An exit code stands in the second byte of the status.
+        // SIGABRT, SIGKILL and SIGSEGV end a run that has gone wrong. In the raw status of a process the exit code is the second byte, so that `2 <<
+        // 8` is exit code 2.
         for crashes in [6, 9, 11, 2 << 8] {
             assert_eq!(interruption(ExitStatus::from_raw(crashes)), None);
         }

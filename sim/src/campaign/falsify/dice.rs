@@ -1,4 +1,5 @@
-//! Random draws by name, so that a key that is added to the schema of scenes does not change any other draw.
+//! Random draws for random scenes. Every key of a scene has a random stream of its own, so that a key that is added to the schema of scenes does not
+//! change the values drawn for other keys.
 
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
@@ -12,13 +13,13 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    /// Creates the draws of case `number` in the search of `seed`, at its `attempt`, counted from 0: a scene that is refused is drawn
+    /// Creates the source of random draws for case `number` of the search with `seed`. `attempt` counts from 0: a scene that is refused is drawn
     /// again with the next attempt.
     pub(super) fn of(seed: u64, number: u64, attempt: u64) -> Draws {
         Draws { seed: stream(seed, &format!("falsify case {number} attempt {attempt}")).next_u64() }
     }
 
-    /// Returns the stream of draws that belongs to `name`, such as the path of a key.
+    /// Returns the random stream that belongs to `name`, such as the path of a key.
     pub(super) fn dice(&self, name: &str) -> Dice {
         Dice(stream(self.seed, name))
     }
@@ -59,6 +60,7 @@ pub(super) fn rounded(value: f64, digits: i32) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
-    // The value is rounded through decimal text: 0.1 + 0.2 has no short decimal form, and neither have products of powers of ten.
+    // The value is written as decimal text and parsed again, so that it prints with few digits. Arithmetic such as 0.1 + 0.2, or multiplying by
+    // powers of ten, gives numbers with many digits.
     format!("{value:.*e}", (digits - 1).max(0) as usize).parse().unwrap_or(value)
 }

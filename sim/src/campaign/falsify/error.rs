@@ -12,10 +12,10 @@ pub enum FalsifyError {
     /// A file of the search cannot be read or written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Another process searches with the same journal.
+    /// Another process is at the same search: it holds the journal, the file in which finished cases are recorded.
     #[error("search into {}: another process does, expected another --out", .0.display())]
     Locked(PathBuf),
-    /// The process of a case cannot be started, or its output cannot be read.
+    /// The child process in which a case runs cannot be started, or its output cannot be read.
     #[error("run case {case} in a process of its own: {source}")]
     Process {
         /// Number of the case.
@@ -23,7 +23,7 @@ pub enum FalsifyError {
         /// Error that the operating system reported.
         source: io::Error,
     },
-    /// The process of a case reports that it cannot render.
+    /// The child process in which a case runs reports that it cannot render.
     #[error("run case {case}: {reason}")]
     CouldNotRun {
         /// Number of the case.
@@ -31,7 +31,7 @@ pub enum FalsifyError {
         /// Reason that the process reported.
         reason: String,
     },
-    /// The grammar draws only scenes that are refused.
+    /// No valid scene was found for a case: all scenes that were drawn at random for it were refused.
     #[error("draw case {case}: {attempts} scenes in a row were refused, the last one for `{reason}`")]
     AllRefused {
         /// Number of the case.

@@ -14,7 +14,7 @@ use crate::{
 
 use super::wish::{Hit, Wish};
 
-/// A scene that shows a failure, with what is known of the failure.
+/// A random scene that shows a failure, with a description of the failure and the seeds that repeat it.
 #[derive(Clone, Debug)]
 pub struct Finding<'a> {
     /// Seed of the search.
@@ -30,13 +30,13 @@ pub struct Finding<'a> {
 }
 
 impl Finding<'_> {
-    /// Returns the path of the scene's file in the folder of a search.
+    /// Returns the path of the file for a failing scene, given the folder of the search.
     pub fn path(&self, out: &Path) -> PathBuf {
         out.join("found").join(format!("{}_{}_{}.toml", self.hit.wish.name(), self.seed, self.case))
     }
 
-    /// Writes the scene, with a description of the failure in comments before it. The scene states expectations, so that a person who has
-    /// found the cause can add the file to the project's scenes as it is.
+    /// Writes the scene, with a description of the failure in comments before it. The scene expects that the failure does not occur, so that a person
+    /// who has found the cause can add the file to the project's scenes as it is.
     pub fn write(&self, out: &Path) -> Result<PathBuf, RecordError> {
         let path = self.path(out);
         run_files::prepare_for(&path)?;
@@ -44,7 +44,7 @@ impl Finding<'_> {
         Ok(path)
     }
 
-    /// Returns the text of the scene's file.
+    /// Returns the text of the file for a failing scene.
     pub fn text(&self, path: &Path) -> String {
         let Hit { wish, seen, signature, .. } = self.hit;
         let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");

@@ -1,9 +1,9 @@
 //! Random scenes, drawn from everything that the schema of scenes allows.
 //!
-//! The schema defines the keys and their possible values, so that a key that is added to scenes is searched without any change here.
-//! `weights` defines how often keys are stated, and narrower ranges where the schema's range is wider than what a robot can drive with.
-//! `settled` ensures what a schema cannot: that things stand in the room, events lie within the time of the run, and methods have the
-//! devices that they read.
+//! The schema defines the keys and their possible values, so that a key that is added to scenes is searched without any change here. The module
+//! `weights` defines how often keys are stated, and narrower ranges where the schema's range is wider than what a robot can drive with. The module
+//! `settled` ensures what a schema cannot: that things stand in the room, events lie within the time of the run, and methods have the devices that
+//! they read.
 
 mod building;
 mod ceiling;
@@ -24,7 +24,7 @@ use numbers::{Span, number};
 /// Kinds of scenes that a search draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// Every tenth scene has cameras, as a run with cameras takes some ten times longer.
+    /// A scene has cameras with a probability of 0.1 only, as a run with cameras takes some ten times longer.
     Mixed,
     /// No scene has a camera that renders images; the sensors are wheels, gyroscope, flow sensor, range camera and satellite navigation.
     WithoutCameras,
@@ -33,7 +33,7 @@ pub enum Profile {
 }
 
 impl Profile {
-    /// Returns the profile's name in files and on the command line.
+    /// Returns the name of this kind of scenes, as files and the command line have it.
     pub fn name(self) -> &'static str {
         match self {
             Profile::Mixed => "mixed",
@@ -62,12 +62,12 @@ pub(super) fn scene(draws: &Draws, profile: Profile) -> (Table, u64) {
     let walk = Walk { draws, room_m, boldness: *draws.dice("boldness").choose(&BOLDNESS) };
     let mut scene = walk.table(resolve(schema()), "");
     settled::settle(&mut scene, draws, room_m, has_cameras);
-    // Whole numbers of TOML have 63 bits, but seeds of two digits are easier for a person to type.
+    // The seed of the run is a number of at most two digits, which is easy for a person to type.
     (scene, draws.dice("seed of the run").whole(0, 99) as u64)
 }
 
-/// Probabilities with which a plain key is stated; one of them is drawn for each scene. A scene near the defaults tests single keys, a
-/// scene far from them tests combinations.
+/// Probabilities with which a scene states a key that is a plain value. For each scene one of these probabilities is drawn and applies to all such
+/// keys. A scene that states few keys tests them singly, a scene that states many tests combinations.
 const BOLDNESS: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 
 /// State of a recursive walk through the schema that draws a scene.
@@ -78,7 +78,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Draws a table with some of its keys. `path` is dotted, with items of lists by their index.
+    /// Draws a table of the scene with some of its keys. `path` is the table's place in the scene as dotted keys, with indices for items of lists.
     fn table(&self, node: &'static Json, path: &str) -> Table {
         let mut table = Table::new();
         let Some(properties) = node.get("properties").and_then(Json::as_object) else { return table };
@@ -96,11 +96,12 @@ impl Walk<'_> {
         table
     }
 
-    /// Returns the probability that a key is stated, where no weight is listed for the key.
+    /// Returns the probability that a scene states a key for which `weights` lists none.
     fn usual_chance(&self, property: &'static Json) -> f64 {
         let node = resolve(property);
         match type_name(node) {
-            // Lists of things make a run longer, and one thing hides the effect of another, so that they are stated seldom.
+            // Lists of any length, such as furniture or events, are stated seldom: many things make a run longer, and one hides the effect of
+            // another.
             "array" if node.get("minItems") != node.get("maxItems") => 0.15,
             "object" => 0.5,
             "" if !alternatives(node).is_empty() => 0.5,
@@ -108,10 +109,10 @@ impl Walk<'_> {
         }
     }
 
-    /// Draws a value that the schema allows; none where the schema does not say which values are possible.
+    /// Draws a value that the schema allows for a key; none where the schema does not say which values are possible.
     fn value(&self, property: &'static Json, path: &str) -> Option<Value> {
         let stated = resolve(property);
-        // The keys of a device may be stated as a table, or as true or false. The table is drawn, as it can hold everything that true or
+        // The keys of a device may be stated as a table, or as true or false. Always the table is drawn, as it can express everything that true or
         // false stand for.
         let options = alternatives(stated);
         let mut tables = options.into_iter().map(resolve).filter(|option| option.get("properties").is_some());
@@ -134,14 +135,14 @@ impl Walk<'_> {
             }
             "number" => Some(Value::Float(self.number(node, property, path)?)),
             _ if !choices(node).is_empty() => Some(Value::String((*dice.choose(&choices(node))).to_owned())),
-            // A text is a name, and names have to differ, so that the path of its key serves as the name.
+            // A key with a free text is a name, such as that of a floor region. Names have to differ, so that the path of the key is used.
             "string" => Some(Value::String(path.to_owned())),
             _ => None,
         }
     }
 
-    /// Draws a number: a place within the room where the key is a coordinate without a range, a direction where it is an angle without a
-    /// range, and else a number within the key's range.
+    /// Draws the value of a numerical key. A coordinate without a greatest value is drawn within the room, an angle in degrees without a greatest
+    /// value as a direction, and any other number within the key's range.
     fn number(&self, node: &'static Json, property: &'static Json, path: &str) -> Option<f64> {
         let mut dice = self.draws.dice(path);
         let last = path.rsplit('.').next().unwrap_or(path);
@@ -179,7 +180,7 @@ impl Walk<'_> {
         Some(Value::Array((0..length).filter_map(item).collect()))
     }
 
-    /// Draws one of several possible tables, which the key `kind` distinguishes.
+    /// Draws one of the several tables that the schema allows for a key and that differ by their key `kind`.
     fn variant(&self, variants: Vec<&'static Json>, path: &str) -> Value {
         let chosen = self.draws.dice(&format!("{path} kind")).choose(&variants);
         let kind = chosen["properties"]["kind"]["const"].as_str().unwrap_or_default();
@@ -189,7 +190,7 @@ impl Walk<'_> {
     }
 }
 
-/// Returns the tables among which a key `kind` selects; none when there is no such selection.
+/// Returns the tables that the schema allows for a key and that differ by their key `kind`; none when there is no such choice.
 fn variants(node: &'static Json) -> Option<Vec<&'static Json>> {
     let listed = node.get("oneOf")?.as_array()?;
     let variants: Vec<&Json> = listed.iter().filter(|one| one.get("properties").is_some()).collect();
@@ -200,7 +201,7 @@ fn required(node: &Json) -> Vec<&str> {
     node.get("required").and_then(Json::as_array).into_iter().flatten().filter_map(Json::as_str).collect()
 }
 
-/// Returns the path of a key without the indices of list items.
+/// Returns the dotted path of a key without the indices of list items.
 fn without_indices(path: &str) -> String {
     let mut plain = String::with_capacity(path.len());
     let mut is_index = false;

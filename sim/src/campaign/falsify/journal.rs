@@ -1,4 +1,4 @@
-//! Journal of a search: one line for each case that is done, so that a search can continue where it stopped.
+//! Journal of a search for failing scenes: a file with one line for each case that is done, so that a search can continue where it stopped.
 
 use std::{
     collections::BTreeMap,
@@ -14,22 +14,22 @@ use crate::artefacts::run_files::{self, RecordError, naming, program_digest};
 
 use super::{FalsifyError, Profile, wish::Hit};
 
-/// Record of a case that is done.
+/// Record of a case of the search that is done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Done {
     /// Number of the case in the search.
     pub case: u64,
     /// Seed of the case's run.
     pub run_seed: u64,
-    /// Keys for which scenes were refused before a scene was accepted.
+    /// Invalid keys of the scenes that were drawn and refused before a valid scene was drawn for the case.
     pub refused: Vec<String>,
-    /// Number of steps that were judged; 0 for a run that did not reach its end.
+    /// Number of steps of the run whose estimates were checked against the truth; 0 for a run that did not reach its end.
     pub steps: usize,
     /// Simulated time of the run in seconds.
     pub simulated_s: f64,
     /// Whether images were rendered in the run.
     pub has_cameras: bool,
-    /// Names of the bounds that were exceeded.
+    /// Names of the declared bounds that were exceeded in the run.
     pub broken: Vec<String>,
     /// Failures that the run showed.
     pub hits: Vec<Hit>,
@@ -37,8 +37,8 @@ pub struct Done {
     pub found: Option<PathBuf>,
 }
 
-/// First line of a journal: everything that determines the cases of the search. Another build of the program draws or runs other cases,
-/// so that it has a journal of its own.
+/// First line of a journal: everything that determines the cases of the search. Another build of the program may draw or run its cases otherwise, so
+/// that it has a journal of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Heading {
     seed: u64,
@@ -77,7 +77,8 @@ impl Journal {
         let options = || OpenOptions::new().read(true).append(true).create(true).open(&path);
         let file = naming("open", &path, options())?;
         match file.try_lock() {
-            // Some network file systems have no locks; users who share a folder on one have to take care themselves.
+            // On a network file system without locks the search goes on without one; the user has to make sure that no other process writes into the
+            // folder.
             Ok(()) => {}
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::WouldBlock) => return Err(FalsifyError::Locked(path)),

@@ -1,4 +1,4 @@
-//! The process of one case: it reads a scene, runs it, and reports on standard output, line by line, what happens.
+//! The child process that a search starts for one run: it reads a scene, runs it, and reports on standard output, line by line, what happens.
 
 use std::{
     io::{self, BufRead, Read, Write},
@@ -19,22 +19,23 @@ use crate::{
 
 use super::wish::{Hit, hits};
 
-/// One line that the process of a case reports, as JSON.
+/// One line that the child process of a run reports to the search, as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Told {
-    /// The scene is not valid. The text is the first key that is refused, without indices.
+    /// The scene is not valid. The text is the path of the first key that is refused, without the indices of list items.
     Refused(String),
-    /// The scene is valid and its run begins, or a run has to be simulated again.
+    /// A simulation begins: the run of a valid scene, or a repetition of the run to find out the cause of a failure. The report tells how much has to
+    /// be simulated in all.
     Began {
-        /// Simulated time of all runs in seconds.
+        /// Simulated time of the run and of all its repetitions so far, in seconds.
         simulated_s: f64,
         /// Number of pixels that all cameras take in a second of simulated time.
         pixels_per_s: f64,
     },
     /// Simulated time that the run has reached.
     At(f64),
-    /// There is no graphics adapter, or it failed.
+    /// The run could not be made, as there is no graphics adapter or it failed. The text is the reason.
     CouldNotRun(String),
     /// The run has ended.
     Ran(Outcome),
@@ -43,22 +44,22 @@ pub enum Told {
 /// Results of a run that reached its end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Number of steps that were judged.
+    /// Number of steps of the run whose estimates were checked against the truth.
     pub steps: usize,
     /// Simulated time of the run in seconds.
     pub simulated_s: f64,
     /// Whether images were rendered in the run.
     pub has_cameras: bool,
-    /// Names of the bounds that were exceeded.
+    /// Names of the declared bounds that were exceeded in the run.
     pub broken: Vec<String>,
     /// Failures that the run showed.
     pub hits: Vec<Hit>,
-    /// Digests of the truth, the readings and the estimates.
+    /// Digests of the true poses, the readings and the estimates, by which two runs are compared.
     pub digest: String,
 }
 
-/// Reads the number of a scene's bytes in one line from standard input, and then the scene; runs the scene with `seed`, and reports on
-/// standard output. The process ends when standard input is closed, because the search that waited for it has ended.
+/// Reads a scene from standard input, after a line that states the number of its bytes; runs the scene with `seed`, and reports on standard output.
+/// The process ends when standard input is closed, because the search that waited for it has ended.
 pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
     let mut input = io::stdin().lock();
     let mut line = String::new();
@@ -68,7 +69,7 @@ pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
     input.read_exact(&mut text)?;
     drop(input);
     thread::spawn(|| {
-        // Nothing more is sent on standard input, so that reading returns when the other end is closed.
+        // The search sends nothing more on standard input, so that this reading returns only when the search closes the pipe or ends.
         let _ = io::stdin().lock().read(&mut [0]);
         process::exit(2);
     });
@@ -82,7 +83,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
         Err(error) => return Told::Refused(reason(&error)),
     };
     let pixels_per_s = pixels_per_s(&scene);
-    // An error of writing is ignored: a search that has stopped reading has ended, and this process ends with it.
+    // An error of writing to the search is ignored: a search that has stopped reading has ended, and this process ends with it.
     let _ = tell(&Told::Began { simulated_s: scene.simulated_s(), pixels_per_s });
     let mut renderer = match scene.has_camera().then(|| Renderer::on_adapter(adapter)).transpose() {
         Ok(renderer) => renderer,
@@ -97,7 +98,8 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     };
     let mut all_s = scene.simulated_s();
     let verdict = judge(&scene, &record, &mut |asked| {
-        // Finding out which fault is to blame takes as long as the run, several times over, so that more time has to be allowed.
+        // To find the cause of a failure the run is repeated under changed conditions, several times over. Each repetition is reported, so that the
+        // search allows more time.
         all_s += asked.until_s.unwrap_or(scene.simulated_s());
         let _ = tell(&Told::Began { simulated_s: all_s, pixels_per_s });
         run_otherwise(&scene, &record, asked, &IntervalLocalizer::boxed, renderer.as_mut(), &mut |_| {})

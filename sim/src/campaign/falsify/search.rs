@@ -37,13 +37,13 @@ pub struct Search {
     pub profile: Profile,
     /// Number of runs at the same time.
     pub jobs: usize,
-    /// Time after which no more cases begin and shrinking ends.
+    /// Time after which no more cases begin and failing scenes are not reduced any further.
     pub deadline: Option<Instant>,
-    /// Kinds of failure whose scenes are shrunk and written.
+    /// Kinds of failure that are searched for: scenes that show one are reduced to small ones and written to files.
     pub wishes: Vec<Wish>,
-    /// Number of smaller scenes that are tried for each failing scene.
+    /// Greatest number of smaller scenes that are tried in order to reduce a failing scene.
     pub tries: usize,
-    /// Interval, in cases, at which a case runs twice so that its bytes can be compared; 0 for never.
+    /// Interval, in cases, at which a case runs twice so that the results of both runs can be compared byte by byte; 0 for never.
     pub twice_every: u64,
     /// Folder for the journal and the failing scenes.
     pub out: PathBuf,
@@ -51,23 +51,25 @@ pub struct Search {
     pub adapter: Option<String>,
 }
 
-/// Report of a search while it goes on.
+/// A message about the progress of a search.
 #[derive(Clone, Debug)]
 pub enum Progress {
-    /// Number of cases that an earlier process has done.
+    /// Number of cases that are done already, as the journal of an earlier process shows.
     Resumed(usize),
     /// A case is done.
     Done(Done),
 }
 
-/// Greatest number of scenes that are drawn for one case, in case that each is refused. The grammar should draw valid scenes more often
-/// than not, so that this number of refusals in a row has a probability of at most 10⁻¹².
+/// Greatest number of scenes that are drawn for one case, in case that each is refused. A random scene should be valid more often than not, so that
+/// this number of refusals in a row has a probability of at most 10⁻¹².
 const ATTEMPTS: u64 = 40;
 
-/// Greatest number of smaller scenes that are tried when a run does not end: each try that hangs as well takes all the time that a run is allowed.
+/// Greatest number of smaller scenes that are tried when the failure is a run that does not end: each smaller scene that does not end either takes
+/// all the time that a run is allowed.
 const HANG_TRIES: usize = 60;
 
-/// Runs every case that is not done yet, and returns all cases that are done, in the order of their numbers. `progress` is told of each case.
+/// Runs every case that is not done yet, and returns all cases that are done, in the order of their numbers. `progress` is called for each case as
+/// soon as it is done.
 pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec<Done>, FalsifyError> {
     let (journal, earlier) = Journal::open(&search.out, search.seed, search.profile, search.adapter.as_deref())?;
     let mut done: Vec<Done> = earlier.into_values().filter(|case| search.cases.contains(&case.case)).collect();
@@ -91,7 +93,7 @@ pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec
                     if outcome.is_err() {
                         stop.store(true, Ordering::Relaxed);
                     }
-                    // Sending cannot fail, as the receiver lives until every worker has ended.
+                    // Sending a case's result to the main thread cannot fail, as its receiver lives until every worker thread has ended.
                     let _ = sender.send(outcome);
                 }
             });
@@ -122,7 +124,7 @@ impl Search {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Runs one case: draws scenes until one is accepted, runs it, and shrinks the scene if it fails.
+    /// Runs one case: draws scenes until one is valid, runs it, and reduces the scene to a small one if it shows a failure.
     fn case(&self, number: u64) -> Result<Done, FalsifyError> {
         let mut refused = Vec::new();
         for attempt in 0..ATTEMPTS {
@@ -165,7 +167,7 @@ impl Search {
         })
     }
 
-    /// Shrinks the scene that shows a failure and writes it to a file.
+    /// Reduces a scene that shows a failure to a small one and writes it to a file.
     fn found(&self, case: u64, run_seed: u64, scene: Table, hit: Hit) -> Result<PathBuf, FalsifyError> {
         let mut error = None;
         let mut last = hit.clone();
@@ -193,7 +195,7 @@ impl Search {
         Ok(finding.write(&self.out)?)
     }
 
-    /// Runs a scene in a process of its own. The inner error is the key for which the scene was refused.
+    /// Runs a scene in a process of its own. The inner result is an error when the scene was refused, and names the first invalid key.
     fn seen(&self, case: u64, scene: &Table, seed: u64, is_twice: bool) -> Result<Result<Seen, String>, FalsifyError> {
         let text = scene.to_string();
         let run = |driver_threads| {
@@ -219,7 +221,7 @@ impl Search {
     }
 }
 
-/// Returns the failure that a process shows by ending before its run did, or by hanging.
+/// Returns the failure of a process that crashed before its run was complete, or that took too long.
 fn ended_early(ending: &Ending) -> Option<Hit> {
     match ending {
         Ending::Crashed { at_s, place, said } => {
@@ -249,7 +251,8 @@ fn differs(first: &Outcome, second: &Ending) -> Hit {
     Hit { wish: Wish::DigestDiffers, at_s: 0.0, signature: seen.clone(), seen }
 }
 
-/// Whether a smaller scene shows the same failure as the whole one. Two crashes are the same only if they occur in the same place.
+/// Whether the failures of a scene and of a smaller version of it are the same: of the same kind, and for crashes also at the same place in the
+/// source.
 fn is_same(one: &Hit, other: &Hit) -> bool {
     one.wish == other.wish && (one.wish != Wish::Crash || one.signature == other.signature)
 }

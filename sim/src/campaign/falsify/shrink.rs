@@ -1,4 +1,4 @@
-//! Shrinks a scene as far as possible while it still shows the same failure.
+//! Reduces a failing scene to the smallest one found that still shows the same failure.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,8 @@ enum Edit {
     Set(Vec<Step>, Value),
 }
 
-/// Makes `scene` smaller as long as `is_same` confirms of the remaining scene that it shows the same failure, with at most `tries` attempts.
+/// Makes `scene` smaller step by step. A step is kept if `is_same` confirms that the smaller scene shows the same failure; at most `tries` scenes are
+/// tried.
 ///
 /// The duration is shortened first, as this makes all further attempts cheaper. Then tables and halves of lists are removed, then single
 /// keys; at last numbers are rounded. These stages repeat until none of them changes the scene any more. `at_s` is the time of the
@@ -46,7 +47,7 @@ pub fn shrink(scene: Table, at_s: f64, tries: usize, is_same: &mut dyn FnMut(&Ta
                     return current;
                 }
                 let smaller = edited(&current, edit);
-                // A scene that was tried before, by another sequence of changes, need not run again.
+                // A scene that was tried before, reached by another sequence of changes, is not run again.
                 if tried.insert(smaller.to_string()) && is_same(&smaller) {
                     current = smaller;
                 } else {
@@ -60,10 +61,11 @@ pub fn shrink(scene: Table, at_s: f64, tries: usize, is_same: &mut dyn FnMut(&Ta
     }
 }
 
-/// Returns edits that shorten the run; events that would come too late are removed with them.
+/// Returns edits that shorten the run. Where one is applied, events that would come after the end are removed.
 fn shorter(scene: &Table, at_s: f64) -> Vec<Edit> {
     let Some(duration_s) = scene.get("duration_s").and_then(as_number) else { return Vec::new() };
-    // A run that is cut soon after the failure needs some steps more, and a failure that counts only after a second needs 1.5 s more.
+    // The first two durations end the run shortly after the failure: 0.1 s after it, for a failure that shows at once, and 1.5 s after it, for one
+    // that counts only when it has lasted a second.
     let wanted_s = [at_s + 0.1, at_s + 1.5, 0.5 * duration_s, 0.75 * duration_s];
     let shorter_s = wanted_s.into_iter().filter(|wanted_s| *wanted_s < 0.95 * duration_s && *wanted_s > 0.05);
     shorter_s
@@ -78,7 +80,7 @@ fn fewer_items(scene: &Table) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (path, value) in places(scene) {
         let Value::Array(items) = value else { continue };
-        // A list of plain values, such as the two numbers of a place, keeps all its items.
+        // No items are removed from a list of plain values, such as the two numbers of a position, as the shorter list could be invalid.
         if items.iter().any(|item| !item.is_table() && !item.is_array()) {
             continue;
         }
@@ -92,7 +94,7 @@ fn fewer_items(scene: &Table) -> Vec<Edit> {
     edits
 }
 
-/// Returns edits that remove one table or list each, the outermost first.
+/// Returns edits each of which removes one table or list, the outermost first.
 fn without_tables(scene: &Table) -> Vec<Edit> {
     let mut found: Vec<Vec<Step>> = places(scene)
         .into_iter()
@@ -103,7 +105,7 @@ fn without_tables(scene: &Table) -> Vec<Edit> {
     found.into_iter().map(Edit::Remove).collect()
 }
 
-/// Returns edits that remove one key with a plain value each.
+/// Returns edits each of which removes one key with a plain value.
 fn without_keys(scene: &Table) -> Vec<Edit> {
     let plain =
         places(scene).into_iter().filter(|(path, value)| is_key(path) && !value.is_table() && !value.is_array());
@@ -133,7 +135,7 @@ fn as_number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
-/// Returns every value of a document with its path; a table or list comes before its contents.
+/// Returns every value of a scene with its path; a table or list comes before its contents.
 fn places(scene: &Table) -> Vec<(Vec<Step>, Value)> {
     fn collect(value: &Value, path: &[Step], found: &mut Vec<(Vec<Step>, Value)>) {
         let steps: Vec<(Step, &Value)> = match value {
@@ -185,7 +187,7 @@ fn at<'a>(value: &'a mut Value, path: &[Step]) -> Option<&'a mut Value> {
     })
 }
 
-/// Removes events that end after the end of the run, as the scene would be refused with them.
+/// Removes events that end after the end of the run, as a scene with such events is refused.
 fn drop_late_events(scene: &mut Table) {
     let Some(duration_s) = scene.get("duration_s").and_then(as_number) else { return };
     let Some(Value::Array(events)) = scene.get_mut("event") else { return };
@@ -201,7 +203,7 @@ fn drop_late_events(scene: &mut Table) {
 mod tests {
     use super::*;
 
-    /// Shrinks the scene of a text as long as `is_same` is true of the result, and counts the calls of `is_same`.
+    /// Parses a scene and reduces it as far as `is_same` accepts the smaller scene. Returns the reduced scene and the number of calls of `is_same`.
     fn shrunk(text: &str, tries: usize, is_same: impl Fn(&Table) -> bool) -> (Table, usize) {
         let mut asked = 0;
         let small = shrink(text.parse().unwrap(), 2.0, tries, &mut |scene| {

@@ -1,4 +1,4 @@
-//! Summary of a search: how much ran, which failures it found, and what follows for the rate at which runs fail.
+//! Summary of a search for failing scenes: how much ran, which failures it found, and what follows for the rate at which runs fail.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -18,41 +18,42 @@ pub struct Summary {
     pub runs: usize,
     /// Number of runs with cameras.
     pub with_cameras: usize,
-    /// Number of runs in which no bound was exceeded.
+    /// Number of runs in which no declared bound was exceeded.
     pub bounds_held: usize,
-    /// Number of steps that were judged.
+    /// Number of steps of all runs whose estimates were checked against the truth.
     pub steps: usize,
     /// Simulated time of all runs in seconds.
     pub simulated_s: f64,
-    /// Number of scenes that were drawn and refused.
+    /// Number of scenes that were drawn and refused as invalid.
     pub refused: usize,
-    /// For each key, the number of scenes that were refused for it.
+    /// For each scene key, the number of scenes that were refused because this key was invalid.
     pub refusals: BTreeMap<String, usize>,
-    /// For each bound, the number of runs in which it was exceeded.
+    /// For each declared bound, the number of runs in which it was exceeded.
     pub broken: BTreeMap<String, usize>,
     /// For each kind of failure, the runs that showed it.
     pub hits: BTreeMap<&'static str, Hits>,
     /// Number of runs that showed a failure of a kind that the user asks for.
     pub failed: usize,
-    /// Number of failed runs in which no bound was exceeded.
+    /// Number of failed runs in which no declared bound was exceeded.
     pub failed_where_bounds_held: usize,
     /// Upper 95 % confidence bound on the share of runs that fail.
     pub failure_rate_upper_95: f64,
-    /// Upper 95 % confidence bound on the share of failures among runs in which no bound was exceeded.
+    /// Upper 95 % confidence bound on the share of failures among runs in which no declared bound was exceeded.
     pub failure_rate_upper_95_where_bounds_held: f64,
 }
 
-/// Runs that showed one kind of failure.
+/// The runs of a search that showed one kind of failure.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Hits {
     /// Number of runs that showed the failure.
     pub runs: usize,
-    /// Numbers of the cases that showed the failure, grouped by the signature of the failure.
+    /// Numbers of the cases that showed the failure, grouped by the failure's signature, a text that distinguishes failures of different causes.
     pub cases: BTreeMap<String, Vec<u64>>,
 }
 
 impl Summary {
-    /// Sums up the cases that are done. Failures of the kinds in `wishes` make a run count as failed.
+    /// Sums up the cases of a search that are done. A run counts as failed if it shows a failure of a kind that the search looks for, as `wishes`
+    /// lists.
     pub fn of(seed: u64, done: &[Done], wishes: &[Wish]) -> Summary {
         let mut summary = Summary { seed, runs: done.len(), ..Summary::default() };
         for case in done {
@@ -98,7 +99,7 @@ pub fn upper_bound(k: usize, n: usize) -> f64 {
         sum
     };
     let (mut least, mut most) = (k as f64 / n as f64, 1.0);
-    // Each halving of the interval adds one bit of precision; doubles have 53 bits.
+    // Bisection: each halving of the interval that holds p adds one bit of precision; doubles have 53 bits.
     for _ in 0..60 {
         let middle = 0.5 * (least + most);
         if at_most_k(middle) > MISSED { least = middle } else { most = middle }

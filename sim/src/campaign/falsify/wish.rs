@@ -9,7 +9,7 @@ use crate::{
     scene::Scene,
 };
 
-/// A kind of failure that a search looks for. The gravest comes first.
+/// A kind of failure that a search looks for, in the order from the gravest to the least grave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Wish {
@@ -17,18 +17,20 @@ pub enum Wish {
     Crash,
     /// The run takes far longer than runs of similar scenes.
     Hang,
-    /// The truth is outside the estimate though every bound held and the claims were true.
+    /// The true pose is outside the estimate, and neither a declared bound that was exceeded nor false claims of the vision (wrongly identified
+    /// markers, joints, edges and the like) explain it.
     Unsound,
-    /// The truth is outside for more than a second while the status is *sound* at every step, and until then no bound that an estimate
-    /// relied on was exceeded and no reading had more false claims than declared.
+    /// The true pose is outside the estimate for more than a second, at every step of which the localizer reports the status *sound* (it doubts no
+    /// assumption), and until then no declared bound that an estimate relied on was exceeded and no reading had more false claims than declared.
     SoundButOutside,
-    /// A second run of the same scene and seed gives other bytes.
+    /// A second run of the same scene and seed gives other results, compared byte by byte.
     DigestDiffers,
-    /// The localizer has no pose left.
+    /// The localizer's estimate is empty: no pose agrees with all readings and declared bounds.
     EmptyBox,
-    /// A box with the status *sound* is wider than the space that the walls leave to the robot.
+    /// The localizer reports the status *sound*, and yet the box of its estimate is wider than the space that the walls leave to the robot.
     WiderThanRoom,
-    /// The truth is outside because more claims were false than declared.
+    /// The true pose is outside the estimate because the vision made more false claims (wrongly identified markers, joints, edges and the like) than
+    /// the declared number.
     Perception,
 }
 
@@ -59,7 +61,8 @@ impl Wish {
         }
     }
 
-    /// Returns the kinds that make a search fail by default: all but false claims of the vision, which are counted apart.
+    /// Returns the kinds that make a search fail by default: all but [`Wish::Perception`], losses of the truth by false claims of the vision, which
+    /// are only counted.
     pub fn usual() -> Vec<Wish> {
         Wish::ALL.into_iter().filter(|wish| *wish != Wish::Perception).collect()
     }
@@ -78,10 +81,12 @@ pub struct Hit {
     pub seen: String,
 }
 
-/// Time for which the truth may be outside before the status *sound* counts as wrong: the localizer has one second to notice.
+/// Time for which the true pose may be outside the estimate before the localizer's status *sound* counts as wrong: the localizer has one second to
+/// notice.
 const OUTSIDE_S: f64 = 1.0;
 
-/// Finds every failure that the record of a run shows. A crash, a hang and different bytes show only in the process of a run.
+/// Finds every failure that the record of a completed run shows. Crashes, runs without end and results that differ between two runs are found by the
+/// search itself, as no single record shows them.
 pub fn hits(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Vec<Hit> {
     [
         judged(scene, record, verdict, Judgement::Unsound),
@@ -116,17 +121,17 @@ fn judged(scene: &Scene, record: &RunRecord, verdict: &Verdict, judgement: Judge
     Some(Hit { wish, at_s: truth.time_s, signature: methods(scene), seen })
 }
 
-/// Finds the first time that the truth is outside for more than a second, with the status *sound* at every step, and without an excuse:
-/// by then no bound that any estimate relied on was exceeded, and no reading had more false claims than its method declares.
+/// Finds the first time that the true pose is outside the estimate for more than a second, with the status *sound* at every step, and without an
+/// excuse: by then no declared bound that any estimate relied on was exceeded, and no reading had more false claims than its method declares.
 ///
-/// The function does not use the judge's findings of blame, so that a judge who is too lenient does not hide a failure.
+/// The function does not use the causes that the judge finds for losses of the truth, so that a judge who is too lenient does not hide a failure.
 fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Option<Hit> {
     let excused_from_s = broken_from_s(record, verdict).min(misread_from_s(scene, record));
     let mut since: Option<usize> = None;
     for (index, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
         let is_wrong = estimate.status == Status::Sound && !estimate.pose.contains(truth.pose);
         let is_excused = truth.time_s >= excused_from_s;
-        // A robot that is put at a station is at another place than before, so that the time outside begins anew.
+        // When the robot is lifted to its next station, the time for which the true pose is outside counts from zero again.
         if !is_wrong || is_excused || record.restarts.contains(&index) {
             since = None;
             continue;
@@ -142,7 +147,7 @@ fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Op
     None
 }
 
-/// Returns the time from which on a bound was exceeded that an estimate has relied on; infinite if there is none.
+/// Returns the first time at which a declared bound was exceeded and some estimate had relied on this bound; infinite if there is no such time.
 fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
     let relied_on_s = |bound: &str| {
         record.estimates.iter().find(|estimate| estimate.relies_on.contains(&bound)).map(|estimate| estimate.time_s)
@@ -151,7 +156,7 @@ fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
     excuses.fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the time at which the first reading arrived that has more false claims than declared; infinite if there is none.
+/// Returns the arrival time of the first reading with more false claims of the vision than declared; infinite if there is no such reading.
 fn misread_from_s(scene: &Scene, record: &RunRecord) -> f64 {
     let misperceived = misperceived(record, &false_claims(scene, record));
     let misread = record.images.iter().zip(misperceived).filter(|(_, is_misread)| *is_misread);
@@ -165,8 +170,8 @@ fn empty_box(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     Some(Hit { wish: Wish::EmptyBox, at_s: empty.time_s, signature: format!("{status}, {}", methods(scene)), seen })
 }
 
-/// Finds a *sound* box that is wider than the room. The localizer knows the walls and the robot's body, so that no such box may reach to
-/// where the body would stand in a wall.
+/// Finds an estimate with the status *sound* whose box is wider than the room leaves to the robot. The localizer knows the walls and the robot's
+/// body, so that its box must not reach to poses at which the body would stand in a wall.
 fn wider_than_room(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     let most_m = scene.left_to_origin_m();
     // Interval arithmetic rounds outwards, so that a box may be wider by this much without being wrong.
@@ -183,7 +188,8 @@ fn wider_than_room(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     Some(Hit { wish: Wish::WiderThanRoom, at_s, signature: methods(scene), seen })
 }
 
-/// Names the methods of a scene, its sensors of motion, and whether readings come late.
+/// Lists the localization methods of a scene, its motion sensors beside the wheels, and whether readings come late, as a text that groups failures by
+/// cause.
 fn methods(scene: &Scene) -> String {
     let methods = scene.localizer.methods.iter();
     let named = methods.filter_map(|method| Some(serde_json::to_value(method).ok()?.as_str()?.to_owned()));

@@ -1,5 +1,5 @@
-//! Diagram of the error over time, drawn as a line inside the band of the box's width: the line leaves the band when the truth leaves the
-//! hull of the boxes.
+//! Diagram of the pose error over time. The error of the estimate's midpoint is a line, the width of the estimate's hull a band around zero: the line
+//! leaves the band when the truth leaves the hull.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ const BOTTOM: f64 = 18.0;
 /// Greatest number of points of a curve: one for every pixel and a half of a phone's screen.
 const POINTS: usize = 220;
 
-/// Draws three panels one above the other, x and y in mm and heading in degrees; empty if there is no step.
+/// Draws three plots of the error over time, one above the other: x and y in mm and heading in degrees. The result is empty if the run has no step.
 pub(super) fn to_svg(steps: &[Step]) -> String {
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return String::new() };
     let span_s = [first.time_s, last.time_s.max(first.time_s + 1e-3)];
@@ -36,7 +36,8 @@ pub(super) fn to_svg(steps: &[Step]) -> String {
     svg + "</svg>"
 }
 
-/// Thins the steps out for drawing. Of each stretch of time the step is kept that comes closest to leaving its box, so that no failure disappears.
+/// Reduces the number of steps for drawing. Of the steps that share a point of the curve, the one is kept at which the truth is outside its box or
+/// closest to leaving it, so that no failure disappears.
 fn thinned(steps: &[Step], axis: usize) -> Vec<Step> {
     let stretch = steps.len().div_ceil(POINTS).max(1);
     let closest = |steps: &[Step]| {

@@ -1,7 +1,8 @@
-//! Diagram of error against width: every step of every case, at half the width of its box and at its error.
+//! Diagram of the estimate's error against its width: every step of every case is counted at half the width of its box and at the error of the box's
+//! midpoint.
 //!
-//! Below the diagonal the truth is inside the box. Bins are squares on logarithmic scales, darker where they hold more steps. Steps with
-//! the truth outside are drawn last and at full strength, so that a single one is visible among millions.
+//! Below the diagonal the error is less than half the width, so that the truth is inside the box. Bins are squares on logarithmic scales, darker
+//! where they hold more steps. Steps with the truth outside the box are drawn last and fully opaque, so that a single one is visible among millions.
 
 use std::{collections::BTreeMap, fmt::Write};
 
@@ -19,7 +20,8 @@ const LABEL_HALF: f64 = 13.0;
 /// Number of bins in a decade of the logarithmic scales.
 const BINS: f64 = 20.0;
 
-/// Numbers of steps in each bin and of each judgement, for position or heading.
+/// A diagram of either the position or the heading: the number of steps in each bin, counted separately by whether the truth is in the box and, if
+/// not, by the cause.
 #[derive(Clone, Debug)]
 pub(super) struct Diagram {
     unit: &'static str,
@@ -30,7 +32,8 @@ pub(super) struct Diagram {
 }
 
 impl Diagram {
-    /// Creates an empty diagram of the position: of each step x or y is counted, whichever comes closer to leaving its box.
+    /// Creates an empty diagram of the position. Each step is counted once, along x or y, whichever error is the greater share of half the box's
+    /// width.
     pub(super) fn position() -> Diagram {
         Diagram { unit: "mm", scale: 1e3, axes: &[0, 1], bins: BTreeMap::new() }
     }
@@ -48,14 +51,14 @@ impl Diagram {
                 continue;
             };
             let half_width = (0.5 * step.width[axis] * self.scale).max(1e-9);
-            // Errors below a hundredth of half the width are raised to that value: how far below they are means nothing.
+            // Errors below a hundredth of half the box's width are raised to that value, as their exact size on a logarithmic scale means nothing.
             let error = (step.error[axis].abs() * self.scale).max(half_width * 1e-2);
             let bin = |value: f64| (value.log10() * BINS).floor() as i32;
             *self.bins.entry((step.judgement, bin(half_width), bin(error))).or_default() += 1;
         }
     }
 
-    /// Returns the diagram as SVG; empty if it has no step.
+    /// Returns the diagram as SVG; the text is empty if no step was counted.
     pub(super) fn to_svg(&self) -> String {
         let Some(range) = self.range() else { return String::new() };
         let mut svg =
@@ -74,7 +77,8 @@ impl Diagram {
         svg + "</svg>"
     }
 
-    /// Returns the ranges of the diagram's two scales around all bins, in bins, rounded outwards to multiples of four bins.
+    /// Returns the range of each of the diagram's two scales that holds all filled bins, in numbers of bins, rounded outwards to multiples of four
+    /// bins.
     fn range(&self) -> Option<Range> {
         let ends = |bins: &dyn Fn(&(Judgement, i32, i32)) -> i32| {
             let (least, most) = (self.bins.keys().map(bins).min()?, self.bins.keys().map(bins).max()?);
@@ -83,7 +87,8 @@ impl Diagram {
         Some(Range { across: ends(&|key| key.1)?, up: ends(&|key| key.2)? })
     }
 
-    /// Draws the squares of one judgement, grouped by strength of colour so that each group is one SVG path.
+    /// Draws the bins of all steps with one judgement (truth in the box, or a cause for which it is not) as squares, grouped by opacity so that each
+    /// group is one SVG path.
     fn squares(&self, judgement: Judgement, range: &Range) -> String {
         const LEVELS: f64 = 4.0;
         let own = || self.bins.iter().filter(|((kind, _, _), _)| *kind == judgement);
@@ -133,7 +138,7 @@ impl Diagram {
     }
 }
 
-/// Range of the two scales that is drawn, in bins.
+/// Ranges of the diagram's horizontal and vertical scale, in numbers of bins.
 struct Range {
     across: [f64; 2],
     up: [f64; 2],
@@ -151,7 +156,8 @@ impl Range {
     }
 }
 
-/// Returns places, in bins, and labels of the ticks of a scale: 1, 2 and 5 of each decade, or only the decades where there are many.
+/// Returns the positions, in numbers of bins, and the labels of the ticks of a scale: 1, 2 and 5 of each decade, or only the beginnings of decades on
+/// a long scale.
 fn ticks([least, most]: [f64; 2]) -> Vec<(f64, String)> {
     let steps: &[f64] = if most - least > 2.0 * BINS { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let decades = (least / BINS).floor() as i32..=(most / BINS).ceil() as i32;

@@ -1,4 +1,5 @@
-//! Heatmap of a figure over the values of two keys: one cell for each pair of values, coloured by the figure, with its number written in the cell.
+//! Heatmap of a numerical result over the values of two scene keys: one cell for each pair of values, coloured by the result, which is also written
+//! in the cell.
 
 use std::fmt::Write;
 
@@ -10,10 +11,11 @@ const WIDTH: f64 = 360.0;
 const LEFT: f64 = 74.0;
 const TOP: f64 = 38.0;
 const ROW: f64 = 25.0;
-/// Greatest number of columns in which a heatmap's cells have room for numbers.
+/// Greatest number of columns of a heatmap with which its cells are wide enough for numbers.
 const MOST_NUMBERED: usize = 9;
 
-/// The two keys along which heatmaps are drawn. The one with more values goes down, as the screen of a phone is higher than wide.
+/// The two scene keys whose values are the columns and the rows of heatmaps. The key with more values has the rows, as the screen of a phone is
+/// higher than wide.
 struct Plane {
     across: Axis,
     down: Axis,
@@ -24,7 +26,8 @@ struct Axis {
     values: Vec<String>,
 }
 
-/// Draws heatmaps of containment, width, error and goals reached over the first two keys that vary; nothing when no key varies.
+/// Draws heatmaps of the share of steps with the truth in the box, the box's width, its midpoint's error and the goals reached, over the first two
+/// scene keys that vary; nothing when no key varies.
 pub(super) fn heatmaps(overview: &Overview) -> Option<Markup> {
     let plane = plane(overview)?;
     let shown = ["contained", "width", "error", "goals"];
@@ -101,7 +104,8 @@ fn heatmap(overview: &Overview, plane: &Plane, measure: &Measure) -> String {
     svg + "</svg>"
 }
 
-/// Returns the value of a measure for one cell of a heatmap, pooled over all combinations that have the two values of the cell's keys.
+/// Returns the numerical result that one cell of a heatmap shows, such as the mean width: pooled over all runs with the cell's values of the two
+/// keys.
 fn value(overview: &Overview, plane: &Plane, measure: &Measure, column: usize, row: usize) -> Option<f64> {
     let belongs = |group: &&Group| {
         (plane.across.key.is_empty() || group.value(&plane.across.key) == plane.across.values[column])
@@ -116,8 +120,8 @@ fn value(overview: &Overview, plane: &Plane, measure: &Measure, column: usize, r
     }
 }
 
-/// Returns the colour of a cell and the colour's share, from 0 to 1. Truth that is not contained and goals that were missed stand out;
-/// cells of other figures grow darker with the figure.
+/// Returns the colour of a heatmap's cell and its strength, from 0 to 1. Cells in which the truth was lost or goals were missed stand out; cells of
+/// other results are the darker the greater the result.
 fn tone(measure: &Measure, value: Option<f64>, all: &[Option<f64>]) -> Option<(&'static str, f64)> {
     let value = value?;
     let worst_lacks = match measure.name {
@@ -134,7 +138,7 @@ fn tone(measure: &Measure, value: Option<f64>, all: &[Option<f64>]) -> Option<(&
     }
     let known = || all.iter().flatten().copied().filter(|value| *value > 0.0);
     let (least, most) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
-    // The share of the colour is logarithmic, as widths and errors range over decades.
+    // The strength of the colour grows with the logarithm of the result, as widths and errors range over decades.
     let share = if most > least && value > 0.0 { (value / least).ln() / (most / least).ln() } else { 0.0 };
     Some(("--blue", 0.08 + 0.84 * share))
 }
@@ -170,12 +174,12 @@ fn cell(
     text
 }
 
-/// Returns the last part of a dotted key, as more of it does not fit above a column.
+/// Returns the last part of a dotted key, as the whole key does not fit above a heatmap's column.
 fn leaf(key: &str) -> String {
     escaped(key.rsplit('.').next().unwrap_or(key))
 }
 
-/// Shortens a value to at most ten characters.
+/// Shortens the label of a column or row to at most ten characters.
 fn short(value: &str) -> String {
     if value.chars().count() <= 10 {
         return escaped(value);

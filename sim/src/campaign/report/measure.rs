@@ -1,24 +1,24 @@
-//! The few figures that a report shows for every combination of settings.
+//! The few numerical results, such as mean width and error, that a report shows for every combination of settings.
 
 use crate::judge::figures::Figures;
 
-/// A figure in the form in which people read it.
+/// A numerical result as a report shows it, with a name, a unit and an explanation for people.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// Name of the measure.
+    /// Name of the shown result.
     pub name: &'static str,
-    /// Unit of the measure.
+    /// Unit of the shown result.
     pub unit: &'static str,
-    /// One sentence that explains the measure.
+    /// One sentence that explains the shown result.
     pub meaning: &'static str,
-    /// Function from the figures of one run, or of several, to the measure's value in its unit.
+    /// Function that computes the shown result, in its unit, from the recorded results of one run or pooled results of several.
     pub value: fn(&Figures) -> Option<f64>,
-    /// Number of digits behind the decimal point.
+    /// Number of digits of the shown result behind the decimal point.
     pub digits: usize,
 }
 
-/// All measures of a report: containment, widths of the boxes, errors of their midpoints, availability, the ratio of error to half width,
-/// and goals reached on errands.
+/// All results that a report shows: the share of steps with the truth in the box, widths of the boxes, errors of their midpoints, availability, the
+/// ratio of error to half width, and goals reached on errands.
 pub const MEASURES: [Measure; 11] = [
     Measure {
         name: "contained",
@@ -106,7 +106,7 @@ pub const MEASURES: [Measure; 11] = [
 ];
 
 impl Measure {
-    /// Formats a value of the measure. A share is shown as 100 % only when it is complete.
+    /// Formats a value of the shown result. A share is shown as 100 % only when it is complete.
     pub fn show(&self, value: Option<f64>) -> String {
         let Some(value) = value else { return String::new() };
         let digits = self.digits;
@@ -120,7 +120,7 @@ impl Measure {
         }
     }
 
-    /// Formats the value of the measure that `figures` give.
+    /// Formats the shown result that follows from the recorded results `figures`.
     pub fn of(&self, figures: &Figures) -> String {
         self.show((self.value)(figures))
     }

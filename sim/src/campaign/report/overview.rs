@@ -8,7 +8,7 @@ use crate::{
     loading::Setting,
 };
 
-/// Summary of all cases, of which every form of the report is made.
+/// Summary of all cases, from which the HTML page, the Markdown text and the terminal text of the report are made.
 #[derive(Clone, Debug)]
 pub struct Overview {
     /// Number of cases that ran and met their scene's expectations.
@@ -19,11 +19,11 @@ pub struct Overview {
     pub n_failed: usize,
     /// Number of cases without a record.
     pub n_missing: usize,
-    /// Whether the cases are of several scenes.
+    /// Whether the cases belong to more than one scene.
     pub has_scenes: bool,
-    /// Keys that have several values, in the order of the sweep.
+    /// Scene keys that have several values among the cases, in the order of the sweep.
     pub keys: Vec<String>,
-    /// Figures pooled over all cases.
+    /// Numerical results pooled over all cases.
     pub figures: Figures,
     /// One group for each combination of scene and settings, in the order of the sweep.
     pub groups: Vec<Group>,
@@ -42,7 +42,7 @@ pub struct Group {
     pub n_cases: usize,
     /// Number of cases of the combination that passed.
     pub n_passed: usize,
-    /// Figures pooled over the cases of the combination that ran.
+    /// Numerical results pooled over those cases of the combination that ran.
     pub figures: Figures,
 }
 
@@ -58,7 +58,7 @@ impl Overview {
         let figures: Vec<Figures> = results.cases.iter().map(CaseResult::figures).collect();
         let ran: Vec<&Figures> = figures.iter().filter(|figures| !figures.is_empty()).collect();
         let mut worst: Vec<usize> = (0..figures.len()).filter(|index| !figures[*index].is_empty()).collect();
-        // The sort is stable, so that equally bad cases stay in the order of the sweep.
+        // The sorting keeps equally bad cases in the order of the sweep.
         worst.sort_by(|one, other| {
             let badness = |index: usize| badness(&results.cases[index], &figures[index]);
             badness(*other).partial_cmp(&badness(*one)).unwrap_or(std::cmp::Ordering::Equal)
@@ -105,12 +105,13 @@ impl Overview {
         format!("Of {n_cases} {cases}, {}", told.join(", "))
     }
 
-    /// Returns the measures for which at least one case has a value.
+    /// Returns those numerical results of a report for which at least one case has a value.
     pub fn measures(&self) -> impl Iterator<Item = &'static Measure> + '_ {
         MEASURES.iter().filter(|measure| (measure.value)(&self.figures).is_some())
     }
 
-    /// Returns the numbers of steps with the truth outside the box, by their cause.
+    /// Returns the number of steps with the truth outside the box for each cause: a declared bound that was exceeded, false claims of the vision, or
+    /// the localizer.
     pub fn outside(&self) -> [(&'static str, u64); 3] {
         let count = |name: &str| self.figures.get(&format!("containment.{name}")).copied().unwrap_or_default() as u64;
         [("bound broken", count("bound_broken")), ("perception", count("perception")), ("unsound", count("unsound"))]
@@ -129,7 +130,7 @@ fn groups(results: &Results) -> Vec<Group> {
     let mut groups: Vec<(Group, Vec<Figures>)> = Vec::new();
     for case in &results.cases {
         let belongs = |group: &Group| group.scene == case.scene && group.settings == case.settings;
-        // Cases of one combination follow each other, so that only the last group can be the case's own.
+        // Cases of one combination of settings follow each other, so that a case belongs to the last group or begins a new one.
         if !groups.last().is_some_and(|(group, _)| belongs(group)) {
             let (scene, settings) = (case.scene.clone(), case.settings.clone());
             groups.push((Group { scene, settings, n_cases: 0, n_passed: 0, figures: Figures::new() }, Vec::new()));
@@ -144,8 +145,8 @@ fn groups(results: &Results) -> Vec<Group> {
     groups.into_iter().map(pooled).collect()
 }
 
-/// Returns a key for sorting cases, greater for worse ones: missed expectations count first, then the gravest judgement, then the number
-/// of steps outside, then the greatest error.
+/// Returns a key for sorting cases, greater for worse ones: missed expectations count first, then the gravest cause for which the truth was lost,
+/// then the number of steps with the truth outside, then the greatest error.
 fn badness(case: &CaseResult, figures: &Figures) -> (bool, u8, f64, f64) {
     let figure = |name: &str| figures.get(name).copied().unwrap_or_default();
     let counts = ["unsound", "perception", "bound_broken"].map(|name| figure(&format!("containment.{name}")));

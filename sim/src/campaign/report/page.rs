@@ -22,10 +22,11 @@ use super::{
 const STYLE: &str = include_str!("style.css");
 /// Greatest number of the worst cases that the page shows in detail.
 const MOST_WORST: usize = 4;
-/// Greatest number of rows in the table of all cases; of a larger sweep the CSV file has all.
+/// Greatest number of rows in the table of all cases; of a larger sweep only the CSV file lists all cases.
 const MOST_ROWS: usize = 2000;
 
-/// Writes the HTML page. Steps and debug frames are read from the folders of the cases.
+/// Writes the HTML page of the report. The steps of the runs and the debug frames (pictures of what the vision found) are read from the folders of
+/// the cases.
 pub fn as_html(overview: &Overview, results: &Results) -> String {
     let (tone, word, mark) =
         if overview.has_passed() { ("passed", "Passed", "✓") } else { ("failed", "Failed", "✕") };
@@ -151,8 +152,8 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
     }
 }
 
-/// Selects the first cases of which no two of one scene share their seed or their settings, and fills up with others where there are too
-/// few: a failure with one cause appears alike in all cases along a key.
+/// Selects the first cases of which no two of one scene share their seed or their settings, and fills up with further cases where there are too few.
+/// A failure looks alike in cases that differ in one key only, so that one of them is enough.
 fn diverse<'a>(cases: impl Iterator<Item = &'a CaseResult>) -> Vec<&'a CaseResult> {
     let (mut told, mut others): (Vec<&CaseResult>, Vec<&CaseResult>) = (Vec::new(), Vec::new());
     for case in cases {

@@ -1,4 +1,4 @@
-//! A debug frame of a case, scaled down so that it can be embedded in the report's page.
+//! A debug frame of a case, which shows a camera image and what the vision found in it, scaled down so that it can be embedded in the report's page.
 
 use std::{fs, path::Path};
 
@@ -7,11 +7,12 @@ use image::{ImageReader, codecs::jpeg::JpegEncoder, imageops::FilterType};
 
 use crate::campaign::cases::CaseResult;
 
-/// Width of the embedded picture: wide enough that the title of a figure can be read on a phone.
+/// Width of the debug frame in the report's page: wide enough that the frame's title can be read on a phone.
 const WIDTH_PX: u32 = 760;
 const QUALITY: u8 = 68;
 
-/// Returns the debug frame nearest to the first failure, or the first frame if there was no failure, as the data address of an embedded image.
+/// Returns the debug frame nearest to the case's first loss of the truth, or the first frame if the truth was never lost, as a `data:` URL that
+/// embeds the picture.
 pub(super) fn data_url(case: &CaseResult) -> Option<String> {
     let figures = figures(&case.folder);
     let wanted = failing_image(case).unwrap_or(0);
@@ -25,7 +26,7 @@ pub(super) fn data_url(case: &CaseResult) -> Option<String> {
     Some(format!("data:image/jpeg;base64,{}", STANDARD.encode(&bytes)))
 }
 
-/// Returns numbers and names of all files `figure_*.png` in a folder.
+/// Returns the image numbers and names of all debug frames in a folder, which are files `figure_*.png`.
 fn figures(folder: &Path) -> Vec<(u64, String)> {
     let names = fs::read_dir(folder).into_iter().flatten().flatten();
     let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -35,7 +36,8 @@ fn figures(folder: &Path) -> Vec<(u64, String)> {
     figures
 }
 
-/// Estimates the number of the image that was taken when the truth was first outside, assuming that images come at equal intervals.
+/// Estimates the number of the camera image that was taken when the truth was first outside the estimate, assuming that images come at equal
+/// intervals.
 fn failing_image(case: &CaseResult) -> Option<u64> {
     let summary = case.summary()?;
     let share = summary["containment"]["first_failure"]["time_s"].as_f64()? / summary["duration_s"].as_f64()?;

@@ -34,7 +34,7 @@ fn step(line: &str) -> Option<Step> {
 }
 
 impl Step {
-    /// Returns the error divided by half the width: above 1 the truth is outside the hull along this axis.
+    /// Returns the error of the hull's midpoint divided by half the hull's width along one axis: above 1 the truth is outside the hull.
     pub(super) fn ratio(&self, axis: usize) -> f64 {
         // The lower limit on the width avoids a division by zero: a box without width whose error is 0 is exact, with a ratio of 0.
         self.error[axis].abs() / (0.5 * self.width[axis]).max(1e-12)

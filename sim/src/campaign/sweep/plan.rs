@@ -1,4 +1,4 @@
-//! The plan of a sweep, which names every case before the first one runs.
+//! The plan of a sweep: it lists every case by name before the first case runs.
 
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
@@ -24,7 +24,7 @@ pub struct Plan {
     pub path: PathBuf,
     /// Digest of the scene as its file states it, without the values that vary.
     pub scene_digest: String,
-    /// Keys that vary; the one that changes slowest comes first.
+    /// Scene keys that vary, with their values; the key that changes slowest from case to case comes first.
     pub vary: Vec<Variable>,
     /// First seed of the sweep, and the seed after the last one.
     pub seeds: [u64; 2],
@@ -61,7 +61,7 @@ pub struct Case {
 }
 
 impl Sweep {
-    /// Returns the scene with every combination of values; each of these scenes is checked for validity.
+    /// Returns one scene for every combination of the values of the keys that vary; each of these scenes is checked for validity.
     pub fn variations(&self, template: &SceneTemplate) -> Result<Vec<SceneFile>, SweepError> {
         check_size(self)?;
         let mut seen: BTreeMap<String, String> = BTreeMap::new();
@@ -160,7 +160,7 @@ fn check_size(sweep: &Sweep) -> Result<(), SweepError> {
     if cases > MOST_CASES { Err(SweepError::TooManyCases { cases, limit: MOST_CASES }) } else { Ok(()) }
 }
 
-/// Returns every combination of values, with the last key changing fastest.
+/// Returns every combination of the values of the keys that vary, with the last key changing fastest.
 fn combinations(vary: &[Variable]) -> Vec<Vec<Setting>> {
     vary.iter().fold(vec![Vec::new()], |combined, variable| {
         let longer = |settings: &Vec<Setting>| {

@@ -44,13 +44,13 @@ pub enum Recorded {
     Missing,
 }
 
-/// Contents of `case.json`: what identifies the case, and the digests by which its files can be checked.
+/// Contents of `case.json`, a case's record: what identifies the case, and the digests by which its other files can be checked.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Seal {
     id: String,
     set: Vec<String>,
     seed: u64,
-    /// Choice of debug frames with which the case ran.
+    /// Choice of the images for which the case wrote debug frames, pictures of what the vision found.
     frames: String,
     /// Reason why the case could not run, if it could not.
     failure: Option<String>,
@@ -66,7 +66,8 @@ impl Store {
     pub fn open(folder: &Path) -> Result<Store, SweepError> {
         run_files::prepare(folder)?;
         let store = Store { folder: folder.to_owned(), _lock: lock(folder)? };
-        // The folder is locked, so that a hidden folder in it was left half written by a process that was killed.
+        // As the folder is locked, no other process is writing now: a hidden folder in it was left half written by a process that was killed, and is
+        // removed.
         remove_hidden(&folder.join("cases"))?;
         Ok(store)
     }
@@ -78,7 +79,7 @@ impl Store {
 
     /// Writes the plan as `sweep.json`.
     pub fn write_plan(&self, plan: &Plan) -> Result<(), SweepError> {
-        // Serialising cannot fail, as all keys of a plan are texts.
+        // Writing the plan as JSON cannot fail, as all its keys are texts.
         let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
         Ok(write_whole(&self.folder.join(PLAN), text.as_bytes())?)
     }
@@ -104,7 +105,8 @@ impl Store {
         })
     }
 
-    /// Whether the case has run, its files are unchanged since they were written, and the debug frames that the user wants are among them.
+    /// Whether the case has run, its files are unchanged since they were written, and the debug frames (pictures of what the vision found) that the
+    /// user wants are among them.
     pub fn has(&self, case: &PlannedCase, frames: FramesPolicy) -> bool {
         let folder = case_folder(&self.folder, &case.id);
         let Some(seal) = read_seal(&folder) else { return false };
@@ -181,7 +183,8 @@ fn lock(folder: &Path) -> Result<File, SweepError> {
             let holder = holder.unwrap_or_else(|| "another process".to_owned());
             return Err(SweepError::Locked { folder: folder.to_owned(), holder });
         }
-        // Some network file systems have no locks; users who share a folder on one have to take care themselves.
+        // On a network file system without locks the sweep goes on without one; the user has to make sure that no other process writes into the
+        // folder.
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
         Err(TryLockError::Error(source)) => return Err(SweepError::NoLock { folder: folder.to_owned(), source }),
     }
@@ -198,7 +201,7 @@ fn remove_hidden(folder: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// Writes `case.json`, with the digests of all files that are in the folder so far.
+/// Writes `case.json`, the record of a case, with the digests of all files that are in the case's folder so far.
 fn seal(folder: &Path, case: &PlannedCase, frames: FramesPolicy, failure: Option<String>) -> Result<(), RecordError> {
     let mut files = BTreeMap::new();
     for entry in naming("read the folder", folder, fs::read_dir(folder))? {
@@ -208,7 +211,7 @@ fn seal(folder: &Path, case: &PlannedCase, frames: FramesPolicy, failure: Option
     }
     let set = case.settings.iter().map(ToString::to_string).collect();
     let seal = Seal { id: case.id.clone(), set, seed: case.seed, frames: frames.to_string(), failure, files };
-    // Serialising cannot fail, as all keys of a seal are texts.
+    // Writing `case.json` as JSON cannot fail, as all its keys are texts.
     let text = serde_json::to_string_pretty(&seal).unwrap_or_default() + "\n";
     naming("write", &folder.join(SEAL), fs::write(folder.join(SEAL), text))
 }

@@ -19,13 +19,13 @@ use crate::{
 
 use super::{Case, Store, SweepError};
 
-/// Cases to run, and what is needed to run them.
+/// The cases that a sweep has to run, with the renderer, the number of threads and the folder that the runs use.
 pub struct Work<'a> {
     /// Cases that are to run.
     pub cases: &'a [&'a Case],
     /// Number of worker threads.
     pub jobs: usize,
-    /// Choice of the images whose debug frames are written.
+    /// Choice of the camera images for which debug frames, pictures of what the vision found, are written.
     pub frames: FramesPolicy,
     /// Renderer on the graphics adapter; none when the scene has no camera.
     pub renderer: Option<Renderer>,
@@ -64,7 +64,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
                     if outcome.is_err() {
                         stop.store(true, Ordering::Relaxed);
                     }
-                    // Sending cannot fail, as the receiver lives until every worker has ended.
+                    // Sending a case's outcome to the main thread cannot fail, as its receiver lives until every worker thread has ended.
                     let _ = sender.send(outcome);
                 }
             });
@@ -80,7 +80,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
     first_error.map_or(Ok(()), Err)
 }
 
-/// Creates one renderer for each worker; fewer workers where the graphics driver does not allow several threads.
+/// Creates one renderer for each worker thread; fewer renderers, and so fewer workers, where the graphics driver does not allow several threads.
 fn renderers(first: Option<Renderer>, jobs: usize) -> Result<Vec<Option<Renderer>>, SweepError> {
     let Some(first) = first else { return Ok((0..jobs).map(|_| None).collect()) };
     let mut all = Vec::new();

@@ -28,7 +28,8 @@ impl Lens {
         ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
     }
 
-    /// The lens behind a spectral filter, with a ring of infrared diodes around it, whose light only an infrared camera sees.
+    /// This lens behind a spectral filter, with a ring of infrared diodes around it. Only an infrared camera sees the diodes' light; for a camera of
+    /// visible light the ring is dark.
     fn seeing(self, band: Band, ring_intensity_w_per_sr: f64) -> Lens {
         let ring_candela = match band {
             Band::Infrared => ring_intensity_w_per_sr * EQUIVALENT_LUMENS_PER_WATT_850_NM,

@@ -22,13 +22,14 @@ pub struct FlowSensor {
     mount: DrawnFlow,
     floor: Floor,
     regions: Vec<Region>,
-    /// Relative error of the counts per metre on each floor region, and last on the floor around the regions.
+    /// Relative error of the flow sensor's counts per metre on each floor region; the last entry is for the floor around the regions.
     surfaces: Vec<f64>,
     noise: Repeated,
     /// Further relative error of the counts per metre, caused by noise in the present period.
     noise_share: f64,
     blind: Vec<Event>,
-    /// With the error distribution `drift`: the direction in the world along which all travel is counted too long, and against which too short.
+    /// With the error distribution `drift`: the direction in the world along which all travel is counted too long. Travel against it is counted too
+    /// short.
     drifts_to: Option<[f64; 2]>,
     dropouts: ChaCha8Rng,
     /// Position of each axis within a count at the start, in `[0, 1)`.
@@ -36,12 +37,12 @@ pub struct FlowSensor {
     n_readings: u64,
     before: Option<Truth>,
     period: Period,
-    /// Travel that the sensor has counted since the start, in counts.
+    /// Travel that the flow sensor has counted since the start, in counts.
     followed_counts: [f64; 2],
     blind_periods: u64,
-    /// In the previous period: the greatest deviation of the counts per metre from those at the mounted height, over nominal; and by how much
-    /// the path was longer than the net travel that is counted, along the axis where this was greatest. Both are 0 when the sensor did not
-    /// follow the motion.
+    /// Two values of the previous period, both 0 when the sensor did not follow the motion. This one is the greatest deviation of the counts per
+    /// metre from those at the mounted height, as a share of the nominal counts per metre. The value `back_and_forth_m` is by how much the path was
+    /// longer than the net travel that is counted, along the sensor's axis where this was greatest.
     scale_change: f64,
     back_and_forth_m: f64,
 }
@@ -97,7 +98,7 @@ impl Sensor for FlowSensor {
         if let Some(before) = self.before.replace(*truth) {
             self.follow(&before, truth);
         }
-        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
+        // Half a physics step of slack makes the reading due at the intended physics step, however times in decimal seconds are rounded.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.flow.period_s {
             return None;
         }
@@ -121,7 +122,7 @@ impl Sensor for FlowSensor {
 }
 
 impl FlowSensor {
-    /// Adds the travel of one physics step, as seen along the sensor's own axes and by its optics.
+    /// Adds the robot's travel in one physics step to the present period, as seen along the flow sensor's own axes and by its optics.
     fn follow(&mut self, before: &Truth, truth: &Truth) {
         let (from_m, to_m) = (self.place(before), self.place(truth));
         let moved = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
@@ -148,7 +149,7 @@ impl FlowSensor {
         }
     }
 
-    /// Relative error of the counts per metre that the floor's surface at a place causes.
+    /// Relative error of the flow sensor's counts per metre that the floor's surface at a position causes.
     fn surface(&self, [x_m, y_m, _]: [f64; 3]) -> f64 {
         let covers = |region: &Region| {
             (region.x_m[0]..=region.x_m[1]).contains(&x_m) && (region.y_m[0]..=region.y_m[1]).contains(&y_m)
@@ -157,8 +158,8 @@ impl FlowSensor {
         self.surfaces[region_idx]
     }
 
-    /// The scale of one physics step: as optics and height make it, or with the error distribution `drift` the worst one that the bound
-    /// `flow.scale` allows beside the calibration's error.
+    /// Counts per metre, over nominal, in one physics step: as optics and height make them or, with the error distribution `drift`, as far off as the
+    /// bound `flow.scale` allows in addition to the calibration's error.
     ///
     /// Travel that is counted too long one way and too short on the way back adds up to an error, which a constant wrong scale would not.
     fn drifting(&self, scale: f64, moved: [f64; 2]) -> f64 {
@@ -167,12 +168,13 @@ impl FlowSensor {
         self.mount.scale + left.copysign(to[0] * moved[0] + to[1] * moved[1])
     }
 
-    /// Ends a period: adds its counts, or counts the period as blind when the sensor did not follow the motion.
+    /// Ends a period of the flow sensor: adds the period's counts or, when the sensor did not follow the motion, only one to the number of blind
+    /// periods.
     fn close_period(&mut self, truth: &Truth) {
         let period = std::mem::take(&mut self.period);
         self.noise_share = self.noise.one_way(self.flow.noise_tolerance);
         let at_m = self.place(truth);
-        // The random number is drawn whether or not it matters, so that one drop-out does not change the next.
+        // The random number for a drop-out is drawn whether or not it matters, so that one drop-out does not change the next.
         let luck: f64 = self.dropouts.random_range(0.0..1.0);
         if period.lost || luck < self.floor.at(at_m[0], at_m[1]).flow_dropout {
             self.blind_periods += 1;

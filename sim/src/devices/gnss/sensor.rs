@@ -51,14 +51,14 @@ impl GnssSensor {
         }
     }
 
-    /// True position of the antenna, world x and y.
+    /// True position of the satellite navigation antenna, world x and y.
     fn antenna_m(&self, truth: &Truth) -> [f64; 2] {
         let [forward_m, left_m] = self.mount.position_m;
         let antenna = truth.world_from_body() * Point3::new(forward_m, left_m, self.gnss.height_m);
         [antenna.x, antenna.y]
     }
 
-    /// The worst reception that outages at this time and shadows at this place leave.
+    /// The worst kind of satellite solution to which the scene's outages at this time and shadows at this position reduce reception.
     fn reception(&self, time_s: f64, [x_m, y_m]: [f64; 2]) -> Reception {
         let is_now = |outage: &&Outage| (outage.at_s..outage.at_s + outage.lasts_s).contains(&time_s);
         let is_here = |shadow: &&Shadow| {
@@ -84,7 +84,7 @@ impl GnssSensor {
 impl Sensor for GnssSensor {
     /// Returns a position when one is due and the receiver has a solution.
     fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
-        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
+        // Half a physics step of slack makes the reading due at the intended physics step, however times in decimal seconds are rounded.
         if truth.time_s + 0.0005 < (self.n_readings + 1) as f64 * self.gnss.period_s {
             return None;
         }

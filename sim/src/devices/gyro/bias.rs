@@ -25,8 +25,8 @@ pub struct WanderingBias {
     /// Side to which the bias moves with the error distribution `drift`: 1 or −1. It turns back at the ends of its range.
     side: f64,
     drawn_rad_per_s: f64,
-    /// Range that the bias never leaves: its tolerance and, where `gyro.angle` is declared, the drawn bias plus or minus the rate of that
-    /// bound. A bias that stayed farther away for long enough would exceed that bound without any noise.
+    /// Range that the bias never leaves: its tolerance and, where the bound `gyro.angle` on the sum of errors is declared, the bias drawn for time 0
+    /// plus or minus the rate of that bound. A bias that stayed farther away for long enough would exceed `gyro.angle` without any noise.
     within_rad_per_s: [f64; 2],
     wander_rad_per_s2: f64,
     walk_per_node_rad_per_s: f64,
@@ -34,7 +34,7 @@ pub struct WanderingBias {
     walk_rad_per_s: f64,
     flicker_rad_per_s: [f64; FLICKER_S.len()],
     n_nodes: u64,
-    /// Values of the bias at the nodes before and after the latest time.
+    /// Values of the bias at the drawn instants (nodes) before and after the latest time.
     around_rad_per_s: [f64; 2],
 }
 
@@ -44,8 +44,9 @@ impl WanderingBias {
         let instability_rad_per_s = gyro.bias_instability_deg_per_h.to_radians() / HOUR_S;
         let walk_rad_per_s_per_sqrt_s =
             gyro.rate_random_walk_deg_per_h_per_sqrt_h.to_radians() / (HOUR_S * HOUR_S.sqrt());
-        // IEEE Std 952 eq. (C.11) gives the two-sided spectrum S(f) = B²/(2πf) of flicker noise. Processes of variance s² whose correlation
-        // times τ are spread evenly over ln τ, one per ln 4, have ∫ 2s²τ/(1 + (2πfτ)²) d ln τ/ln 4 = s²/(2·ln 4·f), so that s² = B²·ln 4/π.
+        // B is the bias instability. IEEE Std 952 eq. (C.11) gives the two-sided spectrum S(f) = B²/(2πf) of flicker noise. Processes of variance s²
+        // whose correlation times τ are spread evenly over ln τ, one per ln 4, have ∫ 2s²τ/(1 + (2πfτ)²) d ln τ/ln 4 = s²/(2·ln 4·f), so that s² =
+        // B²·ln 4/π.
         let flicker_deviation_rad_per_s = instability_rad_per_s * (4.0_f64.ln() / std::f64::consts::PI).sqrt();
         let flicker_rad_per_s = [0; FLICKER_S.len()].map(|_| flicker_deviation_rad_per_s * normal(&mut rng));
         WanderingBias {
@@ -66,7 +67,7 @@ impl WanderingBias {
         .beginning()
     }
 
-    /// The bias at a time that is not earlier than the time of the call before.
+    /// The gyroscope's bias at a time that is not earlier than the time of the call before.
     pub fn at(&mut self, time_s: f64) -> f64 {
         while time_s > self.n_nodes as f64 * NODE_S {
             self.next_node();
@@ -84,7 +85,7 @@ impl WanderingBias {
         self.n_nodes += 1;
         self.walk_rad_per_s += self.walk_per_node_rad_per_s * normal(&mut self.rng);
         for (flicker, correlation_s) in self.flicker_rad_per_s.iter_mut().zip(FLICKER_S) {
-            // Each part of the flicker noise is an Ornstein–Uhlenbeck process, exact at the nodes.
+            // Each part of the flicker noise is an Ornstein–Uhlenbeck process, exact at the instants (nodes) at which it is drawn.
             let kept = (-NODE_S / correlation_s).exp();
             let fresh = self.flicker_deviation_rad_per_s * (1.0 - kept * kept).sqrt();
             *flicker = kept * *flicker + fresh * normal(&mut self.rng);
@@ -102,8 +103,8 @@ impl WanderingBias {
     }
 }
 
-/// Range of the bias: |bias| ≤ tolerance, and |bias − drawn| ≤ the rate of `gyro.angle`. Within it the departure of the bias from the drawn
-/// one adds up to at most rate·T over any span T, so that noise of 0 is always allowed.
+/// Range of the gyroscope's bias: |bias| ≤ tolerance, and the bias differs from the one drawn for time 0 by at most the rate of the bound
+/// `gyro.angle`. Within this range the difference adds up to at most rate·T over any time span T, so that noise of 0 is always allowed.
 fn within_rad_per_s(gyro: &Gyro, drawn_rad_per_s: f64) -> [f64; 2] {
     let tolerance_rad_per_s = gyro.bias_tolerance_deg_per_s.to_radians();
     let departs_rad_per_s = gyro.angle_floor_deg.map_or(f64::INFINITY, |_| gyro.angle_deg_per_s.to_radians());
@@ -117,8 +118,8 @@ fn within_rad_per_s(gyro: &Gyro, drawn_rad_per_s: f64) -> [f64; 2] {
 }
 
 impl WanderingBias {
-    /// Farthest value that the bias may reach from its value before within one node: to a side drawn anew or, with the error distribution
-    /// `drift`, to the same side until the end of its range.
+    /// Farthest value that the bias may reach from one of its drawn instants (nodes) to the next: with the error distribution `corner` to a side
+    /// drawn anew, with `drift` to the same side until the end of its range.
     fn farthest_from(&mut self, before_rad_per_s: f64) -> f64 {
         let step_rad_per_s = self.wander_rad_per_s2 * NODE_S;
         if self.errors == Distribution::Corner {

@@ -16,7 +16,8 @@ use crate::{
 
 use super::{DrawnGyro, bias::WanderingBias};
 
-/// Factor for rounding: the difference of two times that are 5 ms apart has lost some digits.
+/// Factor for rounding, by which true values are reduced before they are compared with a bound: the difference of two times that are 5 ms apart has
+/// lost some digits.
 const ROUNDING: f64 = 1.0 - 1e-6;
 
 /// A gyroscope that averages the turn rate over each period.
@@ -30,8 +31,8 @@ pub struct GyroSensor {
     noise_deviation_rad_per_s: f64,
     bias: WanderingBias,
     angle: BoundedAngle,
-    /// Whether the bound `gyro.wander` on the bias's rate of change is checked: where the localizer learns the bias, and no bound
-    /// `gyro.angle` limits the angle to which errors add up.
+    /// Whether the bound `gyro.wander` on the rate at which the bias changes is checked: where the localizer learns the bias, and no bound
+    /// `gyro.angle` limits the angle to which the readings' errors add up.
     watches_wander: bool,
     n_readings: u64,
     before: Option<Truth>,
@@ -82,7 +83,7 @@ impl Sensor for GyroSensor {
 }
 
 impl GyroSensor {
-    /// The declared bounds on one reading's errors, each with the true value.
+    /// The declared bounds on the errors of one gyroscope reading, each with the true value of the error.
     fn checks(&mut self, time_s: f64, bias_rad_per_s: f64, noise_rad_per_s: f64) -> Vec<BoundCheck> {
         let gyro = &self.gyro;
         let span_s = [time_s - gyro.period_s, time_s];
@@ -104,8 +105,8 @@ impl GyroSensor {
         checks
     }
 
-    /// Noise of one reading. If noise beyond its bounds is drawn again, draws are repeated until the sum of noise and of the bias's
-    /// departure from its first value keeps, over any span, to the bound `gyro.angle`.
+    /// Noise of one reading. Where the scene says that noise beyond its bounds is drawn again, draws are repeated until the sum of noise and of the
+    /// bias's departure from its value at time 0 keeps, over any time span, to the bound `gyro.angle`.
     fn draw_bounded_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
         /// Greatest number of draws of noise for one reading. If none of them keeps to the bound on the sum of errors, the reading has no
         /// noise: the bias alone departs by no more than the bound grows.
@@ -187,10 +188,11 @@ impl GyroSensor {
     }
 }
 
-/// The angle to which the errors of readings add up, kept within floor + rate·|t − s| between any two times s and t.
+/// The angle to which the errors of the gyroscope's readings add up. Between any two times s and t its change is kept within floor + rate·|t − s|,
+/// where floor and rate are the two parts of the declared bound.
 ///
-/// Let W be the sum, a the floor and r the rate. That W(t) − W(s) ≤ a + r·(t − s) for all s before t is W(t) − r·t ≤ a + min (W(s) − r·s),
-/// and likewise below.
+/// Let W be the sum of the errors, a the floor and r the rate. That W(t) − W(s) ≤ a + r·(t − s) for all s before t is W(t) − r·t ≤ a + min (W(s) −
+/// r·s), and likewise below.
 struct BoundedAngle {
     floor_rad: f64,
     rad_per_s: f64,
@@ -199,7 +201,8 @@ struct BoundedAngle {
     sum_rad: f64,
     least_rad: f64,
     greatest_rad: f64,
-    /// Greatest part of the change of the sum of errors since any earlier time s that exceeds rate·|t − s|.
+    /// The greatest amount by which the change of the sum of errors since any earlier time s exceeds rate·|t − s|. The bound's constant part, the
+    /// floor, limits this amount.
     beyond_rad: f64,
 }
 
@@ -217,28 +220,30 @@ impl BoundedAngle {
         }
     }
 
-    /// Values after one more reading: time, sum of the errors, and the part of the sum's change that exceeds rate·|t − s|.
+    /// Values after one more reading with this error: the time, the sum of the errors, and the greatest amount by which the sum's change since any
+    /// earlier time s exceeds rate·|t − s|.
     fn after(&self, error_rad_per_s: f64) -> [f64; 3] {
         let (time_s, sum_rad) = (self.time_s + self.period_s, self.sum_rad + error_rad_per_s * self.period_s);
         let (low, high) = (sum_rad - self.rad_per_s * time_s, sum_rad + self.rad_per_s * time_s);
         [time_s, sum_rad, (low - self.least_rad).max(self.greatest_rad - high)]
     }
 
-    /// Whether the sum of the errors keeps to its bound with one more reading's error.
+    /// Whether the sum of the gyroscope's errors keeps to its bound if the next reading has this error.
     fn allows(&self, error_rad_per_s: f64) -> bool {
         self.after(error_rad_per_s)[2] <= self.floor_rad
     }
 
-    /// The error nearest to `error_rad_per_s` with which the sum of the errors keeps to its bound.
+    /// The error of the next reading nearest to `error_rad_per_s` with which the sum of the gyroscope's errors keeps to its bound.
     fn nearest_allowed(&self, error_rad_per_s: f64) -> f64 {
-        // Solves the equation in `after` for the error at which the excess of the sum equals the floor.
+        // Solves the equation in the function `after` for the error of the next reading with which the change of the sum of errors is exactly at its
+        // bound.
         let left_rad = self.floor_rad + self.rad_per_s * (self.time_s + self.period_s);
         let most_rad_per_s = (left_rad + self.least_rad - self.sum_rad) / self.period_s;
         let least_rad_per_s = (self.greatest_rad - left_rad - self.sum_rad) / self.period_s;
         error_rad_per_s.min(most_rad_per_s).max(least_rad_per_s)
     }
 
-    /// Adds the error of one reading to the sum.
+    /// Adds the error of one reading to the sum of the gyroscope's errors.
     fn take(&mut self, error_rad_per_s: f64) {
         let [time_s, sum_rad, beyond_rad] = self.after(error_rad_per_s);
         self.beyond_rad = beyond_rad.max(0.0);

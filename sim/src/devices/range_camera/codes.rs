@@ -1,4 +1,5 @@
-//! The landmark codes that a range camera gives: now and then that of another landmark, within what is declared or beyond it.
+//! The landmark codes that a range camera gives to the landmarks that it sees: now and then that of another landmark, as often as declared or more
+//! often.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -16,7 +17,7 @@ pub(super) struct Confusion {
     camera: RangeCamera,
     n_landmarks: usize,
     rng: ChaCha8Rng,
-    /// For each code, whether its last uses were wrong; the newest use is at the back.
+    /// For each landmark code, whether its last uses named a wrong landmark; the newest use is at the back.
     uses: BTreeMap<u32, VecDeque<bool>>,
 }
 
@@ -25,7 +26,7 @@ impl Confusion {
         Confusion { camera: camera.clone(), n_landmarks, rng, uses: BTreeMap::new() }
     }
 
-    /// Gives each of the seen landmarks a code, mostly its own.
+    /// Gives each landmark that the range camera sees a code, mostly the landmark's own.
     pub(super) fn name(&mut self, seen: &[(u32, [f64; 2])]) -> Vec<Sighting> {
         let mut n_wrong = 0;
         let mut sightings = Vec::with_capacity(seen.len());
@@ -40,7 +41,7 @@ impl Confusion {
         sightings
     }
 
-    /// A code of another landmark that may be used wrongly again; `None` if there is none.
+    /// A code of another landmark that may be given to a wrong landmark again; `None` if there is none.
     fn other_than(&mut self, code: u32) -> Option<u32> {
         let was_wrong = |other: &u32| self.uses.get(other).is_some_and(|uses| uses.iter().any(|is_wrong| *is_wrong));
         let allowed: Vec<u32> =
@@ -57,18 +58,19 @@ impl Confusion {
     }
 }
 
-/// Declared bounds to which a counterfactual run cuts wrong codes; none in a run as a seed draws it.
+/// Declared bounds to which wrong landmark codes are cut in a counterfactual run, one that is simulated again with bounds kept to find what was to
+/// blame. In a run as a seed draws it they are cut to none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CodeCuts {
-    /// Whether wrong codes in each reading are cut to the bound `range_landmarks.q_items`.
+    /// Whether the number of wrong codes in each reading is cut to the bound `range_landmarks.q_items`.
     pub items: bool,
-    /// Whether codes are cut to the bound `range_landmarks.wrong_spacing`, which applies from reading to reading: all wrong codes are left
-    /// out, so that no two of them are too close together.
+    /// Whether codes are cut to the bound `range_landmarks.wrong_spacing`, the least number of right uses of a code between two wrong ones. As this
+    /// bound applies from reading to reading, all wrong codes are left out, so that no two of them are too close together.
     pub spacing: bool,
 }
 
 impl CodeCuts {
-    /// Takes the codes that are wrong beyond the bounds out of a reading.
+    /// Takes landmark codes that are wrong beyond the bounds out of a range reading.
     pub(super) fn cut(self, sightings: &mut Vec<Sighting>, codes: &mut Vec<(LandmarkId, bool)>, q_items: usize) {
         let most = match (self.spacing, self.items) {
             (true, _) => 0,
@@ -90,11 +92,11 @@ impl CodeCuts {
     }
 }
 
-/// How much of the declared bounds on wrong codes was used, reading by reading in the order in which they were taken.
+/// Compares the landmark codes of each reading with the declared bounds on wrong codes. Readings come in the order in which they were taken.
 pub(super) struct CodeBounds {
     q_items: usize,
     wrong_spacing: usize,
-    /// Number of right uses of each code since its last wrong use.
+    /// Number of right uses of each landmark code since its last wrong use.
     right_since: BTreeMap<LandmarkId, usize>,
 }
 
@@ -103,8 +105,8 @@ impl CodeBounds {
         CodeBounds { q_items: camera.q_items, wrong_spacing: camera.wrong_spacing, right_since: BTreeMap::new() }
     }
 
-    /// The bounds after one more reading, each with its declared and its true value: the number of wrong codes, and the number of right
-    /// uses of a code that are missing between two wrong ones, for which the bound is 0.
+    /// Checks of one more reading, each with its bound, the declared and the true value: the number of wrong codes, and by how many the right uses of
+    /// a code between two wrong ones fall short of the declared number, which is compared with 0.
     pub(super) fn after(&mut self, codes: &[(LandmarkId, bool)]) -> Vec<(Assumption, f64, f64)> {
         let n_wrong = codes.iter().filter(|(_, is_own)| !is_own).count();
         let mut all = vec![(bounds::RANGE_LANDMARKS_Q_ITEMS, self.q_items as f64, n_wrong as f64)];
@@ -112,7 +114,7 @@ impl CodeBounds {
         for (code, is_own) in codes {
             if *is_own {
                 self.right_since.entry(*code).and_modify(|count| *count += 1);
-            // Where no wrong match is declared, nothing is declared about how far apart wrong ones are.
+            // Where the scene declares that no code is wrong, it declares nothing about how far apart wrong ones are.
             } else if let Some(count) = self.right_since.insert(*code, 0).filter(|_| self.q_items > 0) {
                 missing = missing.max(self.wrong_spacing.saturating_sub(count));
             }

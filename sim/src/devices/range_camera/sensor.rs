@@ -1,4 +1,5 @@
-//! The range camera as a sensor: which landmarks both of its views see, at which columns, and which landmarks they are taken for.
+//! The range camera (a stereo camera) as a sensor: which landmarks both of its views see, at which image columns, and which landmarks they are taken
+//! for.
 
 use localizer::{Reading, bounds, reading::LandmarkId};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
@@ -18,7 +19,7 @@ use super::{
     codes::{CodeBounds, Confusion},
 };
 
-/// Allowance for rounding: the difference of two times of minutes has lost some digits.
+/// Allowance for rounding of times: the difference of two times that are minutes long has lost some digits.
 const ROUNDING_S: f64 = 1e-9;
 
 /// A range camera that takes a reading every period.
@@ -30,8 +31,8 @@ pub struct RangeCameraSensor {
     confusion: Confusion,
     code_bounds: CodeBounds,
     clock: Repeated,
-    /// Errors of the columns in the first and in the second view. With the error distribution `drift` they go to opposite sides, so that
-    /// all distances are wrong in the same direction.
+    /// Errors of the landmarks' image columns in the first and in the second view of the range camera. With the error distribution `drift` the errors
+    /// of the two views go to opposite sides, so that all distances are wrong in the same direction.
     noise: Repeated,
     n_readings: u64,
 }
@@ -58,7 +59,7 @@ impl RangeCameraSensor {
 impl Sensor for RangeCameraSensor {
     /// Returns a reading when one is due.
     fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Observation> {
-        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
+        // Half a physics step of slack makes the reading due at the intended physics step, however times in decimal seconds are rounded.
         if truth.time_s + 0.0005 < FIRST_S + self.n_readings as f64 * self.camera.period_s {
             return None;
         }
@@ -100,7 +101,7 @@ impl Sensor for RangeCameraSensor {
 }
 
 impl RangeCameraSensor {
-    /// Columns of a landmark, rounded with the rounding step of each view.
+    /// A landmark's image columns in the two views, each rounded to the rounding step of its view.
     fn rounded(&self, columns_px: [f64; 2]) -> [f64; 2] {
         [rounded(columns_px[0], self.camera.column_step_px), rounded(columns_px[1], self.camera.match_step_px)]
     }
@@ -129,7 +130,7 @@ impl RangeCameraSensor {
     }
 }
 
-/// The multiple of the step that is nearest to the column.
+/// The multiple of the rounding step that is nearest to the image column.
 fn rounded(column_px: f64, step_px: f64) -> f64 {
     (column_px / step_px).round() * step_px
 }

@@ -1,4 +1,4 @@
-//! What became of the errands, as the robot's driver saw it.
+//! What became of the errands (drives to a goal), as the robot's driver saw it.
 
 use crate::scene::Scene;
 
@@ -7,7 +7,7 @@ use crate::scene::Scene;
 pub struct ErrandLog {
     /// Records of the errands, in the order in which they are done.
     pub errands: Vec<ErrandRecord>,
-    /// Planned paths that the robot has followed, or parts of such paths.
+    /// Planned paths that the robot has followed on its errands, or parts of such paths.
     pub legs: Vec<Leg>,
     current: usize,
 }
@@ -15,11 +15,11 @@ pub struct ErrandLog {
 /// Record of a single errand.
 #[derive(Clone, Debug)]
 pub struct ErrandRecord {
-    /// Name of the errand in the scene; empty for a goal drawn at random.
+    /// Name of the errand (a drive to a goal) in the scene; empty for a goal drawn at random.
     pub name: String,
     /// Goal of the errand, world frame.
     pub goal_m: [f64; 2],
-    /// Distance from the errand's goal within which the middle of the estimate must be for the goal to count as reached.
+    /// Distance from the errand's goal within which the middle of the estimated box must be for the goal to count as reached.
     pub tolerance_m: f64,
     /// How long the robot stands at the goal.
     pub pause_s: f64,
@@ -29,15 +29,16 @@ pub struct ErrandRecord {
     pub ended_s: Option<f64>,
     /// How the errand ended.
     pub outcome: Outcome,
-    /// Distance of the estimate's middle from the goal when the robot last stood at the end of a planned path.
+    /// Distance from the goal to the middle of the estimated box when the robot last stood at the end of a planned path.
     pub estimated_distance_m: Option<f64>,
-    /// Half the diagonal of the estimate's hull when the robot last stood at the end of a planned path.
+    /// Half the diagonal, in x and y, of the estimate's hull (the smallest box around all boxes of the estimate) when the robot last stood at the
+    /// end of a planned path.
     pub box_reach_m: Option<f64>,
     /// Number of times that a path to the errand's goal was searched.
     pub plans: usize,
     /// Number of times that a path to the errand's goal was found and taken.
     pub ways: usize,
-    /// Number of searches for a path to the goal during which things that are not on the map were known.
+    /// Number of searches for a path to the goal during which obstacles that are not on the map were known.
     pub detours: usize,
     /// Total time of the errand that was spent waiting for something that blocked the path.
     pub waited_s: f64,
@@ -49,7 +50,7 @@ pub enum Outcome {
     /// The run ended before the errand did.
     #[default]
     Unfinished,
-    /// The goal was reached: the estimate's middle was within the tolerance.
+    /// The goal was reached: the middle of the estimated box was within the tolerance.
     Reached,
     /// The errand was given up, because what blocked the path did not go away.
     Blocked,
@@ -69,7 +70,7 @@ pub struct Leg {
 }
 
 impl Outcome {
-    /// Name of the outcome in all output files.
+    /// Name of an errand's outcome in all output files.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Unfinished => "unfinished",
@@ -81,7 +82,7 @@ impl Outcome {
 }
 
 impl ErrandLog {
-    /// A log of the errands that the scene states, followed by goals that a seed has drawn at random.
+    /// A log of the errands (drives to a goal) that the scene states, followed by goals that a seed has drawn at random.
     pub(super) fn new(scene: &Scene, random_goals_m: &[[f64; 2]]) -> Self {
         let navigation = scene.navigation();
         let record = |name: &str, goal_m: [f64; 2], tolerance_m: Option<f64>, pause_s: f64| ErrandRecord {

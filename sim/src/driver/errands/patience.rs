@@ -7,16 +7,16 @@ use crate::{
 
 use super::{Anchor, ErrandDriver, Outcome, Task};
 
-/// Distance by which the robot must have moved to count as not stuck.
+/// Distance by which the robot must have moved within a while to count as moving at all, and so as not stuck at an obstacle.
 const MOVED_M: f64 = 0.02;
 
-/// Distance by which the robot must have moved to count as making progress.
+/// Distance by which the robot must have moved within a while to count as making progress on its errand.
 const NOWHERE_M: f64 = 0.2;
 
 /// Time without progress after which the robot moves aside: a person who stands before it may be waiting too.
 const YIELD_S: f64 = 8.0;
 
-/// Least and greatest distance to which the robot moves aside; more than the distance that people keep from it.
+/// Least and greatest distance to which the robot moves aside to let somebody pass; both are more than the distance that people keep from it.
 const YIELD_M: [f64; 2] = [1.2, 2.5];
 
 impl ErrandDriver {
@@ -41,7 +41,7 @@ impl ErrandDriver {
         }
     }
 
-    /// Sets out for the place nearby that is farthest from all things seen that are not on the map; false if no such place can be reached.
+    /// Sets out for the place nearby that is farthest from all obstacles seen that are not on the map; false if no such place can be reached.
     fn make_way(&mut self, time_s: f64) -> bool {
         let (map, _) = self.surroundings.map();
         let (here_m, planner) = (self.place_m(), Planner::new(map, self.keep_away_m));
@@ -74,7 +74,7 @@ impl ErrandDriver {
         if self.got_on.since_s == time_s {
             self.blocked_since_s = None;
         }
-        // A robot that stands or turns in place counts as moved, so that it is not taken to have run into something.
+        // A robot that stands on purpose or turns in place counts as moved, so that it is not taken to have run into something.
         if self.follower.speed.value() < CREEP_M_PER_S {
             self.moved.since_s = time_s;
         }

@@ -19,7 +19,7 @@ const SHARP_CORNER_RAD: f64 = 0.5;
 const MOST_WAYS: usize = 20;
 
 impl ErrandDriver {
-    /// Plans a path to the goal, around things seen that are not on the map.
+    /// Plans a path to the goal, around obstacles seen that are not on the map.
     pub(super) fn plan(&mut self, time_s: f64) {
         self.blocked_since_s = None;
         let Some((goal_m, ways)) = self.log.current().map(|errand| (errand.goal_m, errand.ways)) else {

@@ -2,7 +2,7 @@
 
 use crate::{devices::BoundCheck, judge::verdict::Violation};
 
-/// Excesses of a bound that are closer together than this are one violation, because several windows and images show the same cause.
+/// Excesses of a bound that are closer together in time than this are one violation, because several windows and images show the same cause.
 const JOIN_S: f64 = 0.25;
 
 /// Collects the time ranges in which a value exceeds its declared bound.
@@ -55,7 +55,7 @@ impl Monitor {
 }
 
 impl Violation {
-    /// Keeps the greater of two excesses, with its declared and its true value.
+    /// Keeps the greater of two excesses of a bound, with its declared and its true value.
     fn deepen(&mut self, declared: f64, true_value: f64) {
         if true_value - declared > self.excess() {
             (self.true_value, self.declared) = (true_value, declared);

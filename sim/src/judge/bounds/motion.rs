@@ -1,11 +1,12 @@
-//! Compares the declared bounds on slip, side slip, reach, posture and distance from walls with the true motion.
+//! Compares the declared bounds on the robot's motion with the true motion: wheel slip, side slip, reach (speed, turn rate and acceleration),
+//! posture, and distance from walls.
 
 use crate::{run::RunRecord, scene::Scene, truth::Truth};
 use localizer::bounds;
 
 use super::Monitor;
 
-/// Monitors of the bounds on the robot's motion, drive by drive: the robot does not roll from one station to the next.
+/// Monitors of the bounds on the robot's motion, each drive by itself: from one station to the next the robot is put, it does not roll.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = Vec::new();
     for truths in record.drives() {
@@ -16,15 +17,15 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     all
 }
 
-/// Rolled path, and error of the rolled travel, since the start: of the left wheel, of the right wheel, and of the middle of the axle,
-/// whose error is its lateral travel.
+/// Values since the start of the drive, for the left wheel, the right wheel and the middle of the axle: the path that was rolled, and the error of
+/// the travel. The error of a wheel is its true travel less the travel that it rolled; the error of the axle's middle is its lateral travel.
 struct Rolled {
     path_m: [f64; 3],
     error_m: [f64; 3],
 }
 
-/// Monitors of wheel slip and side slip. Both bounds hold over every window up to the declared length, since the localizer relies on short
-/// windows as well.
+/// Monitors of the bounds on wheel slip and side slip. Both bounds hold over every time window up to the declared length, since the localizer relies
+/// on short windows as well.
 fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let rolled = rolled(truths, wheel_radius_m);
@@ -102,9 +103,9 @@ fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
         .collect()
 }
 
-/// Monitors of the bounds on speed, turn rate and acceleration. The acceleration is that of the points of the body above the wheels, and
-/// that of the wheels' rims: the localizer assumes that wheel counts between two readings deviate from a straight line by no more than it
-/// allows.
+/// Monitors of the bounds on speed, turn rate and acceleration. The acceleration is that of the points of the body above the wheels, and that of the
+/// wheels' rims: the localizer assumes that between two readings the wheel counts deviate from a straight line by no more than the bound on
+/// acceleration allows.
 fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let mut speed = Monitor::new(bounds::REACH_SPEED);
@@ -148,8 +149,8 @@ fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
         let (x_m, y_m) = (truth.pose.x_m, truth.pose.y_m);
         let to_wall_m =
             [x_m - x.lo(), x.hi() - x_m, y_m - y.lo(), y.hi() - y_m].into_iter().fold(f64::INFINITY, f64::min);
-        // The bound on walls is the least distance of the robot's origin from a wall; the value that is compared with 0 is by how much
-        // closer it is.
+        // The bound on walls is the least distance of the robot's origin from a wall. The value that the monitor compares with 0 is by how much the
+        // origin is closer to a wall than that.
         walls.watch(span_s, 0.0, keep_m - to_wall_m);
     }
     vec![tilt, heave, walls]

@@ -13,7 +13,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     }
     let setup = scene.localizer.wall_directions();
     let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(&record.drawn.place));
-    // The angle of the piece of furniture that stands most askew.
+    // Angle by which the piece of furniture that stands most askew is turned.
     let askew_deg = scene.furniture_askew_deg(&record.drawn.place).into_iter().map(f64::abs).fold(0.0, f64::max);
     let degrees = [
         (bounds::WALL_DIRECTIONS_DIRECTION, setup.tolerance_deg, off_deg),

@@ -16,27 +16,28 @@ const CORNER_M: f64 = 0.06 * std::f64::consts::SQRT_2;
 /// Allowance in metres for the rounding of computations without intervals in this file; a thousand times more than needed.
 const ROUNDING_M: f64 = 1e-9;
 
-/// The field of view of a ceiling camera, for all errors within its tolerances and those of the markers.
+/// The part of the ceiling that a ceiling camera is sure to see, whatever its errors and those of the markers are within their tolerances.
 #[derive(Clone, Debug)]
 pub struct Field {
     /// Inward unit normals of the planes through the optical centre and the image's edges, in the frame of an upright robot body without
     /// errors.
     edges: [Vector3<f64>; 4],
-    /// Sine of the greatest angle between the camera's true attitude and its nominal attitude at a known heading.
+    /// Sine of the greatest angle between the camera's true attitude and the nominal attitude that it has at a given heading of the robot.
     sin_tilt: f64,
     /// Optical centre of the camera in the robot frame: forward, left, and height.
     centre_m: [f64; 3],
-    /// Greatest horizontal distance of a point of a marker from the marker's middle on the map, as seen from the camera's nominal place.
+    /// Greatest horizontal distance of a point of a marker from the marker's middle on the map, including the error of the camera's
+    /// position.
     reach_m: f64,
-    /// Distance from the robot's origin beyond which no point of the ceiling is in the image.
+    /// Horizontal distance from the robot's origin beyond which no point of the ceiling is in the image.
     farthest_m: f64,
-    /// Greatest errors of a marker's height above the camera, downwards and upwards.
+    /// Greatest errors of a marker's height above the camera: by how much it may be lower, and by how much higher.
     rise_m: [f64; 2],
 }
 
 impl Field {
-    /// The field of view of a scene's ceiling camera, less a margin of `margin_px` at the image's edges. `None` if there is no camera, no
-    /// marker, or if the margin leaves nothing of the image.
+    /// The field of view of a scene's ceiling camera, without a margin of `margin_px` at the image's edges. `None` if the scene has no
+    /// ceiling camera or no markers, or if the margin leaves nothing of the image.
     pub fn new(scene: &Scene, margin_px: f64) -> Option<Field> {
         let (camera, markers) = (scene.robot.ceiling_camera.as_ref()?, scene.markers.as_ref()?);
         let (robot, known) = (scene.robot_model(), DrawnCamera::ceiling(camera));
@@ -51,8 +52,8 @@ impl Field {
         let tilt_rad = robot.body.tilt_rad;
         let (aside_m, height_m) = (camera.forward_m.hypot(camera.left_m), camera.height_m);
         let tolerance_m = camera.calibration.position_tolerance_m;
-        // A body that tips takes the camera with it. An attitude error about the vertical is treated as another heading, which also moves
-        // the camera's place.
+        // When the robot's body tilts, the camera moves with it. An error of the camera's attitude about the vertical is treated as another
+        // heading of the robot, which also moves the camera's position.
         let moved_m =
             1.5 * tolerance_m + height_m * tilt_rad.sin() + aside_m * (model.yaw_rad.radius() + tilt_rad * tilt_rad);
         let heaved_m = tolerance_m + robot.body.heave_m + aside_m * tilt_rad.sin() + markers.height_tolerance_m;
@@ -68,16 +69,17 @@ impl Field {
         })
     }
 
-    /// The same field of view, made narrower by a length on the ceiling.
+    /// The same field of view, narrowed on every side by a length on the ceiling.
     pub(super) fn narrowed(&self, by_m: f64) -> Field {
         Field { reach_m: self.reach_m + by_m, ..self.clone() }
     }
 
-    /// Whether the whole of a marker is in the image from every pose of a box, whatever the errors are within their tolerances.
+    /// Whether the whole of a marker is in the image from every pose of a box of robot poses, whatever the errors are within their
+    /// tolerances.
     pub(crate) fn surely_sees(&self, poses: &Poses, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(&poses.middle, place);
         let half_m = poses.half_m[0].hypot(poses.half_m[1]);
-        // Distance of the camera from the robot's origin, by which it moves when the robot turns.
+        // Distance of the camera from the robot's origin, about which it moves in a circle when the robot turns.
         let aside_m = self.centre_m[0].hypot(self.centre_m[1]);
         let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
         let farthest_m = from_origin_m + half_m + aside_m;
@@ -91,19 +93,19 @@ impl Field {
             let level = normal.x.hypot(normal.y);
             let up_m = (normal.z * rises_m[0]).min(normal.z * rises_m[1]);
             let at_middle_m = normal.x * along_m[0] + normal.y * along_m[1] - level * turned_m;
-            // Lower bound on the marker's distance inside the image's edge, which holds for every heading.
+            // Lower bound, for any heading, on the part of the marker's distance inside the image's edge that changes with the heading.
             let at_worst_m = -level * farthest_m;
             let level_m = if poses.has_all_headings() { at_worst_m } else { at_middle_m.max(at_worst_m) };
             up_m + level_m - level * self.reach_m >= tilted_m + ROUNDING_M
         })
     }
 
-    /// Whether a marker is near enough to a place of the robot's origin to be in the image at any heading.
+    /// Whether a marker is near enough to a position of the robot's origin to be in the image at any heading.
     pub(super) fn reaches(&self, from_m: [f64; 2], place: &Place) -> bool {
         (place[0] - from_m[0]).hypot(place[1] - from_m[1]) <= self.farthest_m
     }
 
-    /// Whether the middle of a marker is in the image if there are no errors.
+    /// Whether the middle of a marker is in the image from a robot pose if there are no errors.
     pub fn sees_without_errors(&self, pose: &Pose, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(pose, place);
         self.edges.iter().all(|normal| {
@@ -112,12 +114,12 @@ impl Field {
         })
     }
 
-    /// Whether a marker is surely in the image from a single pose.
+    /// Whether a marker is surely in the image from a single robot pose, whatever the errors are within their tolerances.
     pub fn surely_sees_from(&self, pose: &Pose, place: &Place) -> bool {
         self.surely_sees(&Poses::at(*pose), place)
     }
 
-    /// Whether the middle of a marker may be in the image from some pose of a box, if there are no errors.
+    /// Whether the middle of a marker may be in the image from some pose of a box of robot poses, if there are no errors.
     pub(crate) fn may_see(&self, poses: &Poses, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(&poses.middle, place);
         let half_m = poses.half_m[0].hypot(poses.half_m[1]);
@@ -129,7 +131,7 @@ impl Field {
         })
     }
 
-    /// Vector from the optical centre to a marker's middle: forward and left, and upwards.
+    /// Vector from the camera's optical centre to a marker's middle, in the robot frame: forward and left, and upwards.
     fn seen_from(&self, pose: &Pose, place: &Place) -> ([f64; 2], f64) {
         let (sin, cos) = pose.heading_rad.sin_cos();
         let (x_m, y_m) = (place[0] - pose.x_m, place[1] - pose.y_m);

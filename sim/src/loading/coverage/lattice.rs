@@ -6,27 +6,27 @@ use localizer::Pose;
 
 use super::{Field, Place, search};
 
-/// The coverage problem that a lattice of markers has to solve.
+/// The task of a lattice of ceiling markers: where the robot can be, where markers may be, and how many the ceiling camera has to see.
 #[derive(Clone, Debug)]
 pub struct Ceiling {
     /// Ranges of world x and y in which the robot's origin stays.
     pub reach_m: [[f64; 2]; 2],
-    /// Ranges of world x and y in which the middles of markers may be.
+    /// Ranges of world x and y to which the middles of markers are limited.
     pub markers_m: [[f64; 2]; 2],
     /// Height of the markers above the floor.
     pub height_m: f64,
     /// Number of markers that have to be in the ceiling camera's view at once.
     pub seen_at_once: usize,
-    /// Greatest number of markers that the lattice may have.
+    /// Greatest number of markers that the lattice may have, which is the number of marker identities.
     pub most_markers: usize,
 }
 
-/// Reason why no lattice of markers was found.
+/// Reason why no lattice of ceiling markers was found that gives the ceiling camera enough markers from every pose of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unlaid {
-    /// No lattice of up to 64 × 64 markers covers the ceiling.
+    /// No lattice of up to 64 × 64 markers gives the ceiling camera enough markers from every pose of the robot.
     Uncovered,
-    /// Every lattice that may cover the ceiling has at least this many markers, more than there are.
+    /// Every lattice that may give the ceiling camera enough markers has at least this many, more than there are marker identities.
     TooMany(usize),
 }
 
@@ -52,29 +52,30 @@ struct Lattice {
     n_rows: usize,
     /// Number of markers in the lattice's first row.
     first: usize,
-    /// Insets of the marker lattice, in spacings: from the ends of the longest row, and from the outermost rows, to the edge of the
-    /// rectangle.
+    /// Distances from the ends of the longest row, and from the outermost rows, to the edge of the area in which the robot's origin can be.
+    /// They are in units of the spacing of markers in a row, and of rows.
     inset: [f64; 2],
 }
 
-/// Insets of a marker lattice that are tried, in spacings: from markers on the edge of the area to be covered to markers a little more than
-/// half a spacing inside it.
+/// Distances that are tried between the outermost markers and the edge of the area in which the robot's origin can be, in units of the
+/// markers' spacing: from markers on the edge to markers a little more than half a spacing inside it.
 const INSETS: [f64; 6] = [0.0, 0.15, 0.28, 0.36, 0.44, 0.52];
-/// Greatest ratio of the distance between rows to the spacing within a row that is tried. An image has a ratio of about 4 to 3, so that
-/// more stretched lattices waste markers.
+/// Greatest ratio, among the lattices that are tried, of the distance between rows to the spacing within a row. An image has a ratio of
+/// about 4 to 3, so that more stretched lattices waste markers.
 const MOST_STRETCHED: f64 = 2.5;
-/// Margin on the ceiling that a lattice must have to spare before a proof is tried. With a centimetre a proof takes a fraction of a second.
+/// Length on the ceiling by which the camera's field of view is narrowed while a lattice is tested, so that one that passes has a margin to
+/// spare when its proof is tried. With a centimetre a proof takes a fraction of a second.
 const TO_SPARE_M: f64 = 0.01;
-/// Number of poses that are remembered because they refuted a lattice; they are tried first on the next lattice.
+/// Number of poses that are remembered because too few markers of a lattice were seen from them; they are tried first on the next lattice.
 const REMEMBERED: usize = 64;
-/// Greatest number of rows, and of markers in a row: 64 × 64 = 4096 markers in all, one for each identity there is.
+/// Greatest number of rows, and of markers in a row: 64 × 64 = 4096 markers in all, one for each marker identity there is.
 const MOST: usize = 64;
 
-/// The smallest of the lattices tried that is proven to cover a ceiling.
+/// The smallest of the marker lattices tried that is proven to give the ceiling camera enough markers from every pose of the robot.
 ///
 /// Rows along x and along y are tried, in square, hexagonal and stretched lattices. For each number of rows, the fewest markers in a row
 /// are found by bisection, tested on a sample of poses. Lattices that pass are then proven, the smallest first. A proof takes seconds in a
-/// large hall, and is not begun for more markers than there are.
+/// large hall, and is not begun for a lattice with more markers than there are marker identities.
 pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> {
     let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), Rim::new(&ceiling.reach_m));
     let kinds = || {
@@ -99,8 +100,8 @@ pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> 
         if places.len() >= fewer_than {
             break;
         }
-        // Each lattice is tried as it is, and then with one more marker in each row; if neither is proven, a longer search is not worth its
-        // time.
+        // A proof is tried of each lattice as it is, and then with one more marker in its first row; if neither is proven, a longer search
+        // is not worth its time.
         let proven = Some(places).filter(is_proven).or_else(|| {
             let wider = Lattice { first: lattice.first + 1, ..lattice }.passing(&narrowed, ceiling, &mut rim);
             let too_many = wider.as_ref().map(Vec::len).filter(|n_markers| *n_markers > ceiling.most_markers);
@@ -122,7 +123,8 @@ impl Lattice {
         }
     }
 
-    /// This lattice with the fewest markers in its first row that pass the test on sample poses, and the places of its markers.
+    /// This lattice with the smallest number of markers in its first row at which it passes the test on sample poses, and the positions of
+    /// all its markers.
     fn fewest(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<(Lattice, Vec<Place>)> {
         let of = |first| Lattice { first, ..self };
         let most = (1..=MOST).rev().find(|first| !of(*first).is_narrow(ceiling))?;
@@ -138,8 +140,8 @@ impl Lattice {
         Some((of(passing), found))
     }
 
-    /// The lattice's marker places with the first insets for which the camera sees enough from sample poses, both between four markers and
-    /// along the rim of the room.
+    /// Positions of the lattice's markers with the first of the tried distances to the edge at which the camera sees enough markers from
+    /// all sample poses, both between four markers and along the rim of the robot's area.
     fn passing(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<Vec<Place>> {
         let insets = INSETS.iter().flat_map(|along| INSETS.iter().map(move |across| [*along, *across]));
         insets.map(|inset| Lattice { inset, ..self }).filter(|lattice| lattice.covers_inside(field, ceiling)).find_map(
@@ -150,7 +152,7 @@ impl Lattice {
         )
     }
 
-    /// Whether the lattice gives enough markers in view from sample poses far from all walls.
+    /// Whether the camera sees enough markers of the lattice from sample poses far from all walls.
     fn covers_inside(&self, field: &Field, ceiling: &Ceiling) -> bool {
         const N: i32 = 6;
         const REACH: i32 = 3;
@@ -174,7 +176,8 @@ impl Lattice {
         })
     }
 
-    /// Whether the lattice's markers are much nearer to each other along a row than the rows are to each other.
+    /// Whether the lattice's markers are so much nearer to each other along a row than the rows are to each other that the lattice is not
+    /// tried.
     fn is_narrow(&self, ceiling: &Ceiling) -> bool {
         let ([_, along_m], [_, across_m]) = self.spacing(ceiling);
         self.first > 1 && across_m > MOST_STRETCHED * along_m
@@ -185,7 +188,7 @@ impl Lattice {
         if self.along_y { [1, 0] } else { [0, 1] }
     }
 
-    /// Shifts of the lattice's first row and of every second row, in spacings.
+    /// Shifts, along the rows, of the lattice's first row and of every second row, in units of the spacing of markers in a row.
     fn shifts(&self) -> [f64; 2] {
         match self.between {
             Between::Same => [0.0, 0.0],
@@ -194,7 +197,7 @@ impl Lattice {
         }
     }
 
-    /// Place of the lattice's first marker and distance to the next one, along a row and across the rows.
+    /// Position of the lattice's first marker and distance to the next one, along a row and across the rows.
     fn spacing(&self, ceiling: &Ceiling) -> ([f64; 2], [f64; 2]) {
         let [along, across] = self.axes().map(|axis| ceiling.reach_m[axis]);
         let end = |row: usize| self.shifts()[row] + [self.first, self.second()][row] as f64 - 1.0;
@@ -214,7 +217,7 @@ impl Lattice {
                 place_m[axes[1]] = first_row_m + row as f64 * across_m;
                 let [x_m, y_m] = [0, 1].map(|axis| {
                     let [least_m, most_m] = ceiling.markers_m[axis];
-                    // Places of markers are rounded to whole millimetres, which is what a tape measure shows.
+                    // Positions of markers are rounded to whole millimetres, which is what a tape measure shows.
                     (place_m[axis].clamp(least_m, most_m) * 1e3).round() / 1e3
                 });
                 places.push([x_m, y_m, ceiling.height_m]);
@@ -235,22 +238,22 @@ fn headings() -> impl Iterator<Item = f64> {
     (0..N).map(|heading| heading as f64 * TAU / N as f64)
 }
 
-/// Coordinate of the first of several evenly spaced places and the distance between neighbours. The outermost places are `inset` distances
-/// from the ends of the range.
+/// Coordinate of the first of several evenly spaced places and the distance between neighbours. The outermost places are `inset` times this
+/// distance away from the ends of the range.
 fn spread_over([from_m, to_m]: [f64; 2], spacings: f64, inset: f64) -> [f64; 2] {
     let all = spacings + 2.0 * inset;
     if spacings > 0.0 {
         [from_m + inset * (to_m - from_m) / all, (to_m - from_m) / all]
     } else {
-        // A single place is put in the middle; the distance to a next one is so large that it would lie beyond the walls.
+        // A single place is put in the middle; the distance returned with it is so large that a next place would lie beyond the walls.
         [0.5 * (from_m + to_m), to_m - from_m]
     }
 }
 
-/// Sample poses of the robot along the rim of the area that has to be covered.
+/// Sample poses of the robot along the rim of the area in which its origin can be.
 struct Rim {
     places_m: Vec<[f64; 2]>,
-    /// Poses that refuted a lattice recently, the latest first.
+    /// Poses from which too few markers of lattices tested before were seen, the latest such pose first.
     refuting: Vec<Pose>,
 }
 
@@ -269,7 +272,7 @@ impl Rim {
         Rim { places_m, refuting: Vec::new() }
     }
 
-    /// Whether enough markers are seen from all sample poses along the rim, at all headings tried.
+    /// Whether the camera sees enough markers from all sample poses along the rim of the robot's area, at all headings tried.
     fn is_covered(&mut self, field: &Field, places: &[Place], seen_at_once: usize) -> bool {
         let near = |at_m: [f64; 2]| -> Vec<Place> {
             places.iter().filter(|place| field.reaches(at_m, place)).copied().collect()

@@ -6,7 +6,7 @@ use crate::{
 };
 use localizer::reading::Camera;
 
-/// Tolerance for rounding: sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody states a period that finely.
+/// Tolerance for rounding when times are compared: sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody states a period that finely.
 const ROUNDING_S: f64 = 1e-9;
 
 /// Keys that all cameras have in common.

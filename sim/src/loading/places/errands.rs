@@ -6,7 +6,7 @@ use crate::{loading::parse::Contradiction, place::navigation::Planner, scene::Sc
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let navigation = scene.navigation();
     let is_map_missing = navigation.map.is_some() && navigation.surveyed.is_none();
-    // A goal outside the room or in furniture has been reported already, and nothing can be planned on a map that is not read.
+    // A goal outside the room or in furniture has been reported already, and no path can be planned on a map that could not be read.
     if !scene.has_errands() || !found.is_empty() || is_map_missing {
         return;
     }

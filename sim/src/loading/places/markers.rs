@@ -6,7 +6,7 @@ use crate::{
 };
 use localizer::markers::{self, MarkerId};
 
-/// Half the side of the square that a marker takes up: half a pitch more than the distance of its outermost dots' centres from its middle.
+/// Half the side of the square that a marker takes up: half a spacing of dots more than the distance of its outermost dots' centres from its middle.
 const HALF_WIDTH_M: f64 = 0.08;
 
 /// All contradictions in `scene` about its markers.
@@ -77,11 +77,11 @@ fn overlap(marker: &Marker, earlier: &[Marker]) -> Problem {
     Some(("x_m", format!("on top of markers.marker[{other}], expected a place of its own, 0.16 m wide and deep")))
 }
 
-/// Whether the squares of two markers overlap: no side of either square has the whole other square beyond it.
+/// Whether the squares of two markers overlap. They do unless the whole of one square is on the outer side of one side of the other.
 fn overlaps(one: &Marker, other: &Marker) -> bool {
     let between_m = [other.x_m - one.x_m, other.y_m - one.y_m];
     let turn_rad = (other.rotation_deg - one.rotation_deg).to_radians();
-    // Sum of half the extents of both markers' squares along the normal of a side.
+    // Half the extents of both markers' squares, added up, along the normal of one of their sides.
     let reach_m = HALF_WIDTH_M * (1.0 + turn_rad.sin().abs() + turn_rad.cos().abs());
     [one, other].iter().all(|marker| {
         let (sin, cos) = marker.rotation_deg.to_radians().sin_cos();

@@ -1,5 +1,5 @@
-//! Contradictions about sensors other than cameras: periods that the physics cannot sample, bounds that allow anything, and sensors that a
-//! method needs but the robot lacks.
+//! Contradictions about sensors other than cameras: periods that the physics cannot sample, tolerances that contradict one another, and settings of
+//! the localizer for a gyroscope or a map of walls that is missing.
 
 use crate::{
     devices::{self, unsampled},
@@ -7,7 +7,7 @@ use crate::{
     scene::Scene,
 };
 
-/// All contradictions in `scene` about its sensors other than cameras.
+/// All contradictions in `scene` about its sensors other than cameras, and about what the localizer learns from them.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let (robot, localizer) = (&scene.robot, &scene.localizer);
     let mut found_at = |key: &str, expected: String| found.push(Contradiction { key: key.to_owned(), expected });

@@ -11,7 +11,7 @@ use super::short;
 
 use super::building::is_in_a_room;
 
-/// Tolerance for rounding, as distances like 0.4 − 0.15 are not exact.
+/// Tolerance for rounding when distances are compared, as results like 0.4 − 0.15 are not exact.
 const ROUNDING_M: f64 = 1e-9;
 
 /// All contradictions in `scene` about what stands and walks in the building.
@@ -20,7 +20,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     for (index, furniture) in scene.furniture.iter().enumerate() {
         found.extend(place_problem(&rooms, &format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]));
     }
-    // Landmarks must be in the robot's own room, the only one that decides what the robot can see.
+    // Landmarks must be in the robot's own room, as no line of sight leads out of this room.
     for (index, landmark) in scene.landmarks.iter().enumerate() {
         found.extend(place_problem(&rooms[..1], &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
     }
@@ -37,14 +37,15 @@ fn place_problem(rooms: &[Enclosure], key: &str, at_m: [f64; 2]) -> Option<Contr
     }
     let own = &rooms[0];
     let extents_m = [own.width_m, own.depth_m];
-    // The coordinate that is outside the room, if there is one.
+    // The coordinate axis along which the position is outside the robot's room, if there is one.
     let axis = (0..2).find(|axis| !(0.0..=extents_m[*axis]).contains(&at_m[*axis]))?;
     let further = if rooms.len() > 1 { ", or a place in a further room" } else { "" };
     let expected = format!("outside the room, expected a number from 0 to {}{further}", extents_m[axis]);
     Some(Contradiction { key: format!("{key}.{}", ["x_m", "y_m"][axis]), expected })
 }
 
-/// Describes what is wrong with where a person walks: places in no room, or legs that come too near to a wall. Open doors leave holes in walls.
+/// Describes what is wrong with where a person walks: waypoints in no room, or stretches between them that come too near to a wall. Open doors leave
+/// holes in walls.
 fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Option<String> {
     let ways_m = &person.waypoints_m;
     if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !is_in_a_room(rooms, **at_m)) {
@@ -65,7 +66,7 @@ fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Opti
     Some(format!("the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] comes too near to a wall, {margin}"))
 }
 
-/// Checks that no person stands where the robot is put down, as each would be pushed through the other from the first step on.
+/// Checks that no person stands where the robot is put down, as the physics would push each through the other from the first step on.
 fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
     // A scene with stations puts the robot elsewhere than at its start.
     let at_m = person.waypoints_m.first().filter(|_| scene.stations.is_empty())?;
@@ -84,7 +85,7 @@ fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
     (away_m < person.radius_m + body_m - ROUNDING_M).then(expected)
 }
 
-/// The line on the floor below a wall's panel.
+/// The line along which a wall panel, a flat rectangular piece of a wall, stands on the floor.
 fn foot(wall: &Panel) -> [Vector2<f64>; 2] {
     [wall.corner.coords.xy(), (wall.corner + wall.along).coords.xy()]
 }

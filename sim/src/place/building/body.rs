@@ -26,8 +26,8 @@ pub struct UprightBody {
 pub const STRIDE_M: f64 = 1.4;
 
 impl UprightBody {
-    /// A person at the start of the walk, as [`UprightBody::at_start`] has it, but walking at full speed already if there is a second
-    /// waypoint.
+    /// A person at the first waypoint of the walk who faces the second one and already walks at full speed; without a second waypoint the person
+    /// stands.
     pub fn setting_out(person: &Person) -> Option<UprightBody> {
         let stands = UprightBody::at_start(person)?;
         let speed_m_per_s = if person.waypoints_m.len() > 1 { person.speed_m_per_s } else { 0.0 };
@@ -63,7 +63,7 @@ impl UprightBody {
 /// One vertex of the triangulated surface of a person's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyVertex {
-    /// Place of a vertex of a person's body, world frame.
+    /// Position of a vertex of a person's body, world frame.
     pub at: Point3<f64>,
     /// Outward normal of a person's body at a vertex of its surface.
     pub normal: Vector3<f64>,
@@ -80,8 +80,8 @@ pub struct BodyMesh {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Horizontal rings that a limb or the trunk is made of: height, half width across, and half depth along the heading, all as shares of the
-/// body's measures.
+/// Horizontal elliptic rings that a limb or the trunk is made of. Each has its height as a share of the person's height, then its half width
+/// across and its half depth along the person's heading, both as shares of half the width over the shoulders.
 type Rings<'a> = &'a [[f64; 3]];
 
 /// Number of vertices on each ring of a limb or of the trunk.
@@ -94,7 +94,7 @@ pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     const SKIN: [f64; 2] = [0.35, 0.5];
     const HAIR: [f64; 2] = [0.06, 0.2];
     let swing = (body.stride * std::f64::consts::TAU).sin();
-    // Heights are given as shares of the body's height, widths as shares of half the width over the shoulders.
+    // Heights of the parts of the body are given as shares of the whole height, widths as shares of half the width over the shoulders.
     let leg: Rings = &[[0.0, 0.26, 0.5], [0.04, 0.2, 0.3], [0.27, 0.26, 0.32], [0.49, 0.26, 0.3]];
     // The shirt hangs over the trousers, so that the legs come through it nowhere.
     let trunk: Rings = &[
@@ -126,7 +126,8 @@ pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     mesh
 }
 
-/// Adds a limb made of a stack of elliptic rings, moved sideways by `across` and leaning forward about the height `pivot`.
+/// Adds a limb, a stack of elliptic rings. It is moved sideways by `across` and leans: each ring is moved forward in proportion to its distance
+/// below the height `pivot`.
 fn limb(mesh: &mut BodyMesh, body: &UprightBody, rings: Rings, across: f64, lean: f64, pivot: f64, albedo: [f64; 2]) {
     let ahead = level(body.heading_rad);
     let left = vector![-ahead.y, ahead.x, 0.0];
@@ -135,7 +136,7 @@ fn limb(mesh: &mut BodyMesh, body: &UprightBody, rings: Rings, across: f64, lean
         let forward_m = (pivot - ring[0]) * lean * body.height_m + ring[2] * cos * body.radius_m;
         let left_m = (across + ring[1] * sin) * body.radius_m;
         let at = super::raised(body.middle_m, ring[0] * body.height_m) + ahead * forward_m + left * left_m;
-        // The normal of an ellipse with the half axes a and b has the direction (cos/a, sin/b).
+        // At its point (a·cos, b·sin) an ellipse with the half axes a and b has a normal of the direction (cos/a, sin/b).
         let normal = (ahead * (cos / ring[2]) + left * (sin / ring[1])).normalize();
         BodyVertex { at, normal, albedo }
     };

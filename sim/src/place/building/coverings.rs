@@ -5,7 +5,8 @@ use nalgebra::{Point3, vector};
 use super::{Building, LAYER_M, Material, Panel, Part, Texture};
 use crate::scene::{Covering, Scene};
 
-/// Panels for the floors of all rooms, and for the coverings of the scene's floor regions on top of them.
+/// Flat faces (panels) of the building's geometry for the floors of all rooms, and above them those for the coverings of the scene's floor
+/// regions.
 pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
     let usual = match &scene.floor.tiles {
         Some(tiles) => Material::matt(tiles.tile_albedo).with(Texture::Tiles).glossy(0.03, 0.035),
@@ -30,7 +31,7 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
             corner: Point3::new(x0, y0, LAYER_M * (index + 1) as f64),
             along: vector![x1 - x0, 0.0, 0.0],
             up: vector![0.0, y1 - y0, 0.0],
-            // A wet region of the floor shows the floor below the water.
+            // In a wet region of the floor, the usual floor is seen through the water.
             material: if covering == Covering::Wet { wet(base) } else { material(covering, index as u32) },
             part: Part::Floor,
             room: building.room_at(Point3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0)),
@@ -44,8 +45,8 @@ pub(crate) fn covering_albedo(covering: Covering) -> f64 {
     material(covering, 0).albedo[0]
 }
 
-/// Material of water over another covering, which shows through and around it. Its reflectance at normal incidence, ((1.33 − 1)/(1.33 +
-/// 1))² = 0.02, is also that of most varnishes.
+/// Material of water that lies on another floor covering; that covering is seen through the water and around it. The water's reflectance at
+/// normal incidence, ((1.33 − 1)/(1.33 + 1))² = 0.02, is also that of most varnishes.
 fn wet(below: Material) -> Material {
     let seed = if below.texture == Texture::Wet { below.seed } else { below.texture as u32 };
     Material { texture: Texture::Wet, mirrored: below.mirrored.max(0.02), seed, ..below }

@@ -11,7 +11,7 @@ use crate::scene::{Door, Scene};
 /// An opening between two rooms through which light passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
-    /// Indices of the two rooms, the smaller one first.
+    /// Indices of the two rooms that the opening connects, the smaller index first.
     pub rooms: [usize; 2],
     /// Total area of the opening.
     pub area_m2: f64,
@@ -25,8 +25,8 @@ pub(crate) fn openings(scene: &Scene, rooms: &[Enclosure]) -> Vec<Opening> {
     let mut found = Vec::new();
     for pair in pairs {
         let [one, other] = pair.map(|index| &rooms[index]);
-        // Parts of one room's walls that are left out because they lie within the other room. Where the seam of two rooms is straight, both
-        // rooms give the same parts.
+        // Of one room, the parts of its walls that do not exist because they lie within the other room. Where the line along which the two rooms
+        // meet is straight, both rooms give the same parts.
         let within = |room: &Enclosure, other: &Enclosure| -> Vec<[Point3<f64>; 4]> {
             room.sides().filter_map(|side| Some(hole(&side, other.covers(&side, false)?, room.height_m))).collect()
         };
@@ -48,7 +48,7 @@ pub(crate) fn openings(scene: &Scene, rooms: &[Enclosure]) -> Vec<Opening> {
     found
 }
 
-/// The upright rectangle on a room's side between two shares of its length, from the floor up to a height.
+/// The upright rectangle on a room's side between two points of that side, given as shares of its length, from the floor up to a height.
 fn hole(side: &Side, [from, to]: [f64; 2], height_m: f64) -> [Point3<f64>; 4] {
     let way = side.to - side.from;
     let up = vector![0.0, 0.0, height_m];

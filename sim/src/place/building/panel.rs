@@ -5,21 +5,21 @@ use nalgebra::{Point3, Vector3};
 /// A flat rectangle of a building. It is visible only from the side to which `along × up` points.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// First corner of the panel, world frame.
+    /// First corner of the panel, a flat rectangle of the building, world frame.
     pub corner: Point3<f64>,
-    /// Vector from the panel's first corner to its second.
+    /// Side of the panel (a flat rectangle of the building), as a vector from its first corner to its second.
     pub along: Vector3<f64>,
-    /// Vector from the panel's first corner to its last, at a right angle to `along`.
+    /// Side of the panel (a flat rectangle of the building), as a vector from its first corner to its last, at a right angle to `along`.
     pub up: Vector3<f64>,
     /// Material of the panel.
     pub material: Material,
-    /// Part of the building that the panel belongs to.
+    /// Part of the building that the panel (a flat rectangle) belongs to.
     pub part: Part,
-    /// Index of the room whose indirect light falls onto the panel.
+    /// Index of the room whose reflected light falls onto the panel, a flat rectangle of the building.
     pub room: usize,
 }
 
-/// The part of the building that a panel belongs to.
+/// The part of the building that a panel (a flat rectangle of it) belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// The floor of a room.
@@ -28,7 +28,7 @@ pub enum Part {
     Wall,
     /// The ceiling of a room.
     Ceiling,
-    /// A thing in the building: furniture, a door, a picture or a lamp.
+    /// A thing in the building, such as furniture, a door, a picture or a lamp.
     Thing,
 }
 
@@ -41,20 +41,20 @@ pub struct Material {
     pub albedo: [f64; 2],
     /// Share of the light that the surface reflects like a mirror, at normal incidence.
     pub mirrored: f64,
-    /// Standard deviation of the mirrored direction about each axis, by which a reflection is blurred.
+    /// Standard deviation of the direction of mirrored rays about each axis, by which a reflection is blurred.
     pub roughness_rad: f64,
-    /// Number that selects a variant of the texture: another number, another cut of the same pattern.
+    /// Number that selects a variant of the texture: with another number the surface shows another part of the same pattern.
     pub seed: u32,
 }
 
 /// The pattern on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Texture {
-    /// A plain surface of one albedo.
+    /// No pattern: the surface has one albedo everywhere.
     Plain,
     /// Plaster with slightly uneven paint.
     Plaster,
-    /// The floor tiles that the scene states.
+    /// The pattern of the floor tiles that the scene states.
     Tiles,
     /// Concrete with a cloudy pattern.
     Concrete,
@@ -66,8 +66,8 @@ pub enum Texture {
     Picture,
     /// Water, which mirrors its surroundings.
     Wet,
-    /// A chessboard: black and white squares within a white margin as wide as one square. The material's seed encodes how many columns and
-    /// rows it has.
+    /// A chessboard pattern: black and white squares within a white margin as wide as one square. The `seed` of the material encodes how many
+    /// columns and rows it has.
     Chessboard,
 }
 
@@ -88,12 +88,12 @@ impl Material {
         }
     }
 
-    /// The same material with another texture.
+    /// This material with the given texture instead of its own.
     pub fn with(self, texture: Texture) -> Material {
         Material { texture, ..self }
     }
 
-    /// The same material under a varnish, which reflects a share of the light like a mirror that is blurred by the roughness.
+    /// This material under a varnish, which reflects the share `mirrored` of the light like a mirror that is blurred by the roughness.
     pub fn glossy(self, mirrored: f64, roughness_rad: f64) -> Material {
         Material { mirrored, roughness_rad, ..self }
     }
@@ -106,12 +106,12 @@ fn in_infrared(albedo: f64) -> f64 {
 }
 
 impl Panel {
-    /// Unit normal of the panel, towards the side from which it is visible.
+    /// Unit normal of the panel (a flat rectangle of the building), towards the side from which it is visible.
     pub fn normal(&self) -> Vector3<f64> {
         self.along.cross(&self.up).normalize()
     }
 
-    /// Lengths of the panel's two sides.
+    /// Lengths of the two sides of the panel, a flat rectangle.
     pub fn size_m(&self) -> [f64; 2] {
         [self.along.norm(), self.up.norm()]
     }
@@ -121,7 +121,7 @@ impl Panel {
         self.along.norm() * self.up.norm()
     }
 
-    /// A point on the panel, at the shares `s` and `t` of its sides, each from 0 to 1.
+    /// A point on the panel (a flat rectangle), at the shares `s` and `t` of its sides, each from 0 to 1.
     pub fn place(&self, s: f64, t: f64) -> Point3<f64> {
         self.corner + self.along * s + self.up * t
     }
@@ -131,7 +131,8 @@ impl Panel {
         [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[s, t]| self.place(s, t))
     }
 
-    /// Distance at which a ray meets the panel's visible side, in multiples of the ray's length; `None` if the ray misses the panel.
+    /// Distance at which a ray meets the visible side of the panel (a flat rectangle), in multiples of the ray's length; `None` if the ray misses
+    /// it.
     pub fn seen_along(&self, from: Point3<f64>, ray: Vector3<f64>) -> Option<f64> {
         let normal = self.along.cross(&self.up);
         let (height, fall) = (normal.dot(&(from - self.corner)), -normal.dot(&ray));
@@ -142,11 +143,11 @@ impl Panel {
         self.spans(hit).then_some(height / fall)
     }
 
-    /// Whether the straight line between two places passes through the panel, from either side.
+    /// Whether the straight line between two points passes through the panel (a flat rectangle), from either side.
     pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         let normal = self.along.cross(&self.up);
         let (before, behind) = (normal.dot(&(from - self.corner)), normal.dot(&(to - self.corner)));
-        // A line that ends in the panel's plane does not pass through it.
+        // A line that ends in the plane of the panel (a flat rectangle) does not pass through it.
         let slack = 1e-4 * normal.norm();
         if before.abs() < slack || behind.abs() < slack || (before > 0.0) == (behind > 0.0) {
             return false;
@@ -155,7 +156,8 @@ impl Panel {
         self.spans(hit)
     }
 
-    /// Whether a point of the panel's plane, given from the panel's first corner, lies on the panel.
+    /// Whether a point in the plane of the panel (a flat rectangle) lies on the panel. The point is given as a vector from the panel's first
+    /// corner.
     fn spans(&self, from_corner: Vector3<f64>) -> bool {
         [self.along, self.up].iter().all(|side| (0.0..=side.norm_squared()).contains(&from_corner.dot(side)))
     }

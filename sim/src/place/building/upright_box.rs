@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3, vector};
 use super::{Material, Panel, Part, level, raised};
 use crate::scene::Furniture;
 
-/// Distance from a box up to which a panel counts as touching it.
+/// Distance from a box up to which a panel (a flat rectangle of the building) counts as touching the box.
 const TOUCH_M: f64 = 1e-4;
 
 /// A box with vertical sides.
@@ -41,7 +41,7 @@ impl UprightBox {
         raised(self.middle_m, (self.between_m[0] + self.between_m[1]) / 2.0)
     }
 
-    /// Corners of the box: the four of the lower face in order, then those of the upper face.
+    /// Corners of the upright box: the four of its lower face in order, then those of its upper face.
     pub fn corners(&self) -> [Point3<f64>; 8] {
         let [half_length, half_width] = self.half_sides();
         std::array::from_fn(|index| {
@@ -76,7 +76,7 @@ impl UprightBox {
         faces
     }
 
-    /// The two boxes that a cut along the length gives, each half as wide.
+    /// The two boxes into which a cut along the middle of its length divides this box, each half as wide.
     pub fn halves(&self) -> [UprightBox; 2] {
         let [_, half_width] = self.half_sides();
         [-0.5, 0.5].map(|share| {
@@ -89,7 +89,7 @@ impl UprightBox {
         })
     }
 
-    /// Whether the box hides the whole of a panel that touches it.
+    /// Whether the box hides the whole of a panel (a flat rectangle of the building) that touches it.
     pub fn hides(&self, panel: &Panel) -> bool {
         let before = panel.along.cross(&panel.up).normalize() * TOUCH_M;
         let middle = panel.corner + (panel.along + panel.up) / 2.0;
@@ -99,7 +99,7 @@ impl UprightBox {
         })
     }
 
-    /// Whether the straight line between two places passes through the box (slab method).
+    /// Whether the straight line between two points passes through the box (slab method).
     pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         let (start, end) = (self.in_own_frame(from), self.in_own_frame(to));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -118,12 +118,12 @@ impl UprightBox {
         enter < leave
     }
 
-    /// Whether a place is inside the box.
+    /// Whether a point is inside the box.
     pub fn contains(&self, at: Point3<f64>) -> bool {
         self.in_own_frame(at).iter().all(|coordinate| coordinate.abs() < 1.0)
     }
 
-    /// Coordinates of a place in the box's own frame, in which each coordinate runs from −1 to 1 inside the box.
+    /// Coordinates of a point in the box's own frame, in which each coordinate runs from −1 to 1 inside the box.
     fn in_own_frame(&self, at: Point3<f64>) -> [f64; 3] {
         let [half_length, half_width] = self.half_sides();
         let from_middle = at - self.middle();

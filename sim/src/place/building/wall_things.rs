@@ -8,8 +8,8 @@ use crate::scene::{Door, LampKind, Picture, Scene};
 /// Width of a door frame on the wall, and the length by which it stands out of the wall.
 const FRAME_M: [f64; 2] = [0.07, 0.03];
 
-/// Thin boxes on the walls: frames and leaves of doors, and bars of windows. Of a box that is let into a wall, only the half that stands
-/// out into a room is kept.
+/// Thin boxes on the walls: frames and leaves of doors, and bars of windows. A box that is let into a wall is halved along the wall, and only the
+/// half that stands out into a room is kept.
 pub(super) fn trim(scene: &Scene, building: &Building) -> Vec<UprightBox> {
     let mut boxes: Vec<UprightBox> = scene.building.doors.iter().flat_map(door).collect();
     for lamp in scene.lamps.iter().filter(|lamp| lamp.kind == LampKind::Window) {
@@ -84,7 +84,7 @@ fn window(middle: Point3<f64>, facing: Vector3<f64>, size_m: [f64; 2]) -> Vec<Up
     ]
 }
 
-/// Panels for the pictures on the walls, each facing the room that it hangs in.
+/// Flat faces (panels) for the pictures on the walls, each turned towards the room that the picture hangs in.
 pub(super) fn pictures(scene: &Scene, building: &Building) -> Vec<Panel> {
     scene.building.pictures.iter().map(|picture| hung(picture, building)).collect()
 }

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3, vector};
 use super::{LAYER_M, Material, Panel, Part, Texture, level, raised};
 use crate::scene::{Door, Scene};
 
-/// Greatest distance from a wall's foot at which a door still counts as a door in that wall.
+/// Greatest distance on the floor plan between a door and a wall at which the door still counts as a door in that wall.
 pub(super) const DOOR_TO_WALL_M: f64 = 0.15;
 
 /// A rectangular room.
@@ -31,7 +31,7 @@ pub(crate) struct Side {
 }
 
 impl Enclosure {
-    /// Whether a place is within the room's walls, at any height.
+    /// Whether a point is within the room's walls, whatever its height.
     pub fn contains(&self, at: Point3<f64>) -> bool {
         // A point on a wall counts as inside, however its coordinates are rounded.
         self.sides().all(|side| side.inward.dot(&(at - side.from)) >= -1e-9)
@@ -52,7 +52,7 @@ impl Enclosure {
         })
     }
 
-    /// The part of another room's side that lies within this room, as shares of its length from 0 to 1. A wall that both rooms have in
+    /// The part of another room's side that lies within this room, as shares of the side's length from 0 to 1. A wall that both rooms have in
     /// common counts as inside if this room comes first in the list.
     pub(super) fn covers(&self, side: &Side, is_first: bool) -> Option<[f64; 2]> {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
@@ -74,7 +74,8 @@ impl Enclosure {
     }
 }
 
-/// The rooms of a scene, the robot's own room first. For a scene as built, they are the rooms as they truly stand.
+/// The rooms of a scene, the robot's own room first. For a scene in which walls have been turned to where they truly stand, they are the true
+/// rooms.
 pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     let (height_m, plan) = (scene.building.ceiling_height_m, scene.plan());
     let own = Enclosure {
@@ -94,7 +95,7 @@ pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     std::iter::once(own).chain(further).collect()
 }
 
-/// Panels for the walls of all rooms, with their skirting boards.
+/// Flat faces (panels) of the building's geometry for the walls of all rooms, with their skirting boards.
 pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let mut panels = Vec::new();
     for (index, room) in rooms.iter().enumerate() {
@@ -132,19 +133,19 @@ pub(crate) fn standing_walls(rooms: &[Enclosure]) -> Vec<Side> {
     rooms.iter().enumerate().flat_map(of_room).collect()
 }
 
-/// The parts of a room's side that are left out because another room is there, as shares of its length.
+/// The parts of a room's side on which there is no wall because another room is there, as shares of the side's length.
 fn covered(rooms: &[Enclosure], index: usize, side: &Side) -> Vec<[f64; 2]> {
     others(rooms, index).filter_map(|(other, room)| room.covers(side, other < index)).collect()
 }
 
-/// Panels for the ceilings of all rooms.
+/// Flat faces (panels) of the building's geometry for the ceilings of all rooms.
 pub(super) fn ceiling_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let material = Material::matt(scene.building.ceiling_albedo).with(Texture::Plaster);
     let panel = |(room, enclosure): (usize, &Enclosure)| {
         let [along, across] = enclosure.axes();
         // Where rooms overlap, only the ceiling of the first of them is visible, because the others are a little higher.
         let corner = enclosure.corner + vector![0.0, 0.0, enclosure.height_m + LAYER_M * room as f64];
-        // The ceiling's sides are given in reverse order, so that the panel is visible from below.
+        // The sides of the ceiling's flat face are given in reverse order, so that the face is visible from below.
         Panel { corner, along: across, up: along, material, part: Part::Ceiling, room }
     };
     rooms.iter().enumerate().map(panel).collect()
@@ -171,7 +172,7 @@ pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     stands.then(|| [one.min(other), one.max(other)])
 }
 
-/// The parts of the range from 0 to 1 that are left when the gaps are taken out.
+/// The parts of the range from 0 to 1 that are left when the given gaps are taken out.
 fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     gaps.sort_by(|one, other| one[0].total_cmp(&other[0]));
     let (mut left, mut at) = (Vec::new(), 0.0);
@@ -187,11 +188,11 @@ fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     left
 }
 
-/// Panels for a part of a wall between two heights: the skirting board, if the part reaches the floor, and the wall above it.
+/// Flat faces (panels) for a part of a wall between two heights: the skirting board, if the part reaches the floor, and the wall above it.
 fn face(scene: &Scene, side: &Side, shares: [f64; 2], between_m: [f64; 2], room: usize) -> Vec<Panel> {
     let building = &scene.building;
     let way = side.to - side.from;
-    // The wall panel runs backwards along the room's side, so that it faces the room.
+    // The flat face of the wall runs backwards along the room's side, so that it faces the room.
     let strip = |low_m: f64, high_m: f64, material: Material| Panel {
         corner: side.from + way * shares[1] + vector![0.0, 0.0, low_m],
         along: way * (shares[0] - shares[1]),

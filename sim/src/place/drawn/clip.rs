@@ -1,5 +1,5 @@
-//! Moves true values of floor, furniture and markers that lie beyond a declared bound, as drawn by a seed or placed by a scene, back to the
-//! bound. The run can then be repeated as it should have been.
+//! Moves true values of floor, furniture and markers that lie beyond a declared bound (drawn by a seed or placed by a scene) back to the bound,
+//! so that the run can be repeated as it would have been within the bound.
 
 use localizer::bounds;
 use nalgebra::{Rotation2, Vector2};
@@ -9,7 +9,7 @@ use crate::scene::{Marker, Markers, Scene};
 use super::{DrawnMarker, DrawnPlace};
 
 impl DrawnPlace {
-    /// Moves true values beyond the bound of this name back to the bound; everything else stays as drawn.
+    /// Moves true values that lie beyond the declared bound named `bound` back to that bound; all other values stay as drawn.
     pub(crate) fn clip(&mut self, bound: &str, scene: &Scene) {
         match bound {
             bounds::FLOOR_TILES_LAYING | bounds::FLOOR_TILES_STRAIGHTNESS => {

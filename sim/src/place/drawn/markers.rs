@@ -33,7 +33,7 @@ pub struct DrawnMarker {
     pub rotation_rad: f64,
     /// True height of the marker's dots above the floor.
     pub height_m: f64,
-    /// All dots of the marker that reflect, including stray ones.
+    /// All dots of the marker that reflect, including those where no dot is printed.
     pub dots: Vec<DrawnDot>,
 }
 
@@ -53,7 +53,7 @@ impl DrawnMarker {
         let mut rng = stream(seed, "markers");
         let errors = scene.robot.errors;
         let first = rng.clone();
-        // Fallen markers are drawn too, so that the fall of one changes the draws of no other.
+        // Fallen markers use up their random numbers like the others, so that the fall of one does not change what is drawn for any other.
         let draw = |(index, marker): (usize, &Marker)| {
             let height_m = markers.height_m(marker, scene);
             if errors == Distribution::Drift {
@@ -95,7 +95,7 @@ fn draw_marker(
     let world_from_marker = Rotation2::new(rotation_rad);
     let mut dots = Vec::new();
     for place in (0..4).flat_map(|i| (0..4).map(move |j| [i, j])) {
-        // Every cell of the grid takes its draw, so that a missing dot changes the draws of no other.
+        // Every cell of the marker's grid uses up its random numbers, so that a missing dot does not change what is drawn for any other dot.
         let misprint = draw_in_disc(markers.print_tolerance_m, errors, rng);
         if marker.shines_at(place) {
             let at = centre + world_from_marker * (marker.place_in_marker_m(place) + misprint);
@@ -119,16 +119,17 @@ impl Marker {
         [[0, 0], [3, 0], [0, 3]].contains(&[i, j]) || self.id & weight != 0
     }
 
-    /// Whether anything reflects in this cell of the marker's grid, printed dot or stray one.
+    /// Whether anything reflects in this cell of the marker's grid: a printed dot, or something that shines where no dot is printed.
     fn shines_at(&self, place: GridPlace) -> bool {
         let is_dot = self.is_printed(place) && !self.missing_dots.contains(&place);
-        // Width of the marker that can be covered: the dots of the grid, their rims included.
+        // Width of the marker to which `covered_share` refers: from rim to rim of the outermost dots of the grid.
         let width_m = 3.0 * PITCH_M + 2.0 * DOT_RADIUS_M;
         let is_covered = along_m(place[0]) > width_m * (0.5 - self.covered_share);
         (is_dot || self.extra_dots.contains(&place)) && !is_covered
     }
 
-    /// Where a cell of the grid lies on the marker's film: x from O to X and y from O to Y, unless the film is the wrong way round.
+    /// Position of a grid cell on the marker's film, with x from dot O to dot X and y from dot O to dot Y; on a film that is pasted the wrong way
+    /// round, x and y change places.
     fn place_in_marker_m(&self, [i, j]: GridPlace) -> Vector2<f64> {
         if self.mirrored { Vector2::new(along_m(j), along_m(i)) } else { Vector2::new(along_m(i), along_m(j)) }
     }

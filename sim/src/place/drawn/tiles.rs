@@ -20,13 +20,14 @@ use segment::Segment;
 /// straight from corner to corner.
 #[derive(Clone, Debug)]
 pub struct LaidTiles {
-    /// Index of the first joint of each grid axis.
+    /// Index of the first laid joint of each of the two families (joints at constant grid x, joints at constant grid y).
     pub first: [i32; 2],
-    /// Number of joints of each grid axis.
+    /// Number of laid joints in each of the two families (joints at constant grid x, joints at constant grid y).
     pub count: [usize; 2],
     /// Displacement of each tile corner from its nominal place, grid frame; `count[0] × count[1]`, row-major in `(i, j)`.
     pub corner_offset_m: Vec<[f64; 2]>,
-    /// The straight line that each joint of each axis was laid along: its displacement where the other grid coordinate is 0, and its slope.
+    /// The straight line along which each joint of each grid axis was laid: its displacement from the nominal line where the other grid
+    /// coordinate is 0, and its slope.
     pub lines: [Vec<[f64; 2]>; 2],
     /// Contrast of each joint segment, from 1 for a new joint to 0 for an invisible one. `[0]` holds the segments from corner `(i, j)` to
     /// `(i, j + 1)`, `[1]` those to `(i + 1, j)`; both are indexed like the corners.
@@ -37,14 +38,14 @@ pub struct LaidTiles {
     pub pattern_seed: u32,
 }
 
-/// The joint between floor tiles that is nearest to a place.
+/// The joint between floor tiles that is nearest to a given point of the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestJoint {
-    /// Distance from the given place to the nearest joint's centre line.
+    /// Distance of the joint's centre line from the point of the floor for which the nearest joint was sought.
     pub distance_m: f64,
     /// Family of the joint: 0 for the joints at constant grid x, 1 for those at constant grid y.
     pub axis: usize,
-    /// Whether the joint's segment nearest to the place is visible.
+    /// Whether the joint is visible in its segment nearest to the point of the floor for which the joint was sought.
     pub visible: bool,
 }
 
@@ -63,10 +64,10 @@ pub struct JointErrors {
 const MARGIN_JOINTS: i32 = 2;
 
 impl LaidTiles {
-    /// Lays the tiles of a room as a seed draws them.
+    /// Lays the tiles of a room, with all errors drawn at random for a seed.
     ///
-    /// Laying, corners, wear, missing joints and albedos have a random stream each. Every point of a joint's centre line in the room is
-    /// within `laying_tolerance_m + corner_tolerance_m` of the joint's nominal line, unless a tile is misplaced.
+    /// Laying, corners, wear, missing joints and albedos have a random stream each. Every point of a joint's centre line in the room is within
+    /// `laying_tolerance_m + corner_tolerance_m` of the joint's nominal line, unless a tile is misplaced.
     pub fn draw(tiles: &Tiles, room: &Room, distribution: Distribution, seed: u64) -> LaidTiles {
         let [low_m, high_m] = room_in_grid(tiles, room);
         let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
@@ -94,7 +95,7 @@ impl LaidTiles {
         laid
     }
 
-    /// The joint nearest to a place in the world, visible or not; `None` far outside the room.
+    /// The joint nearest to a point of the floor (world frame), visible or not; `None` far outside the room.
     pub fn joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         // A corner is displaced by less than a tile's edge, so that the nearest joint has a corner at most two tiles away.
@@ -108,7 +109,8 @@ impl LaidTiles {
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
-    /// The visible joint nearest to a place in the world, even if an invisible joint is nearer; `None` if there is none within two tiles.
+    /// The visible joint nearest to a point of the floor (world frame), even if an invisible joint is nearer; `None` if there is none within two
+    /// tiles.
     pub fn visible_joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
@@ -118,8 +120,8 @@ impl LaidTiles {
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
-    /// Family and index of every joint whose centre line passes within the distance given for its family of a place in the world; each
-    /// joint once.
+    /// All joints whose centre line passes close to a point of the floor (world frame), within the distance that is given for each of the two
+    /// families of parallel joints. Each joint is given once, by its family and index.
     pub fn joints_within(&self, tiles: &Tiles, place_in_world_m: [f64; 2], distance_m: [f64; 2]) -> Vec<(usize, i32)> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
@@ -133,7 +135,7 @@ impl LaidTiles {
         joints
     }
 
-    /// Greatest errors of the joints in the room within a radius of a place in the world.
+    /// Greatest errors of those parts of the joints that lie in the room and within a radius around a point of the floor (world frame).
     pub fn errors_near(&self, tiles: &Tiles, room: &Room, place_in_world_m: [f64; 2], radius_m: f64) -> JointErrors {
         let grid_from_world = grid_from_world(tiles);
         let place = grid_from_world * Vector2::from(place_in_world_m);
@@ -152,14 +154,14 @@ impl LaidTiles {
         greatest
     }
 
-    /// Moves corners back until no joint is farther than the tolerance from its nominal line.
+    /// Moves tile corners back until no joint is farther than the tolerance from its nominal line.
     pub(super) fn clip_offsets(&mut self, tolerance_m: f64) {
         for offset in &mut self.corner_offset_m {
             *offset = offset.map(|off_m| off_m.clamp(-tolerance_m, tolerance_m));
         }
     }
 
-    /// Moves corners back until no joint is farther than the tolerance from the straight line that it was laid along.
+    /// Moves tile corners back until no joint is farther than the tolerance from the straight line that it was laid along.
     pub(super) fn clip_bends(&mut self, tiles: &Tiles, tolerance_m: f64) {
         let straight = laid_straight(tiles, self.first, &self.lines);
         let steepest = self.lines.iter().flatten().map(|[_, slope]| slope.abs()).fold(0.0, f64::max);
@@ -170,12 +172,13 @@ impl LaidTiles {
         }
     }
 
-    /// Index of tile corner `(i, j)` in the tables, with `i` and `j` counted from the first corner.
+    /// Index of the tile corner `(i, j)` in the tables of corners, with `i` and `j` counted from the first corner.
     fn corner_index(&self, i: usize, j: usize) -> usize {
         i * self.count[1] + j
     }
 
-    /// All joint segments whose first corner's nominal place is within a given distance of a place along each axis, in the grid frame.
+    /// All joint segments whose first corner, at its nominal place, is within given distances from a point of the floor along x and along y of
+    /// the grid frame.
     fn segments_within<'a>(
         &'a self,
         tiles: &'a Tiles,
@@ -207,8 +210,8 @@ impl LaidTiles {
                 let (nominal, from_offset) = corner(i, j);
                 let (next_nominal, to_offset) = corner(next_i, next_j);
                 let [shift_m, slope] = self.lines[axis][[i, j][axis]];
-                // Distance of the joint from its straight line, across the joint. The line's slope is so small that its cosine is taken as
-                // 1.
+                // Distance of the joint from the straight line that it was laid along, across the joint. The line's slope is so small that its
+                // cosine is taken as 1.
                 let bend_m = |nominal: Vector2<f64>, offset: Vector2<f64>| {
                     offset[axis] - shift_m - slope * (nominal[1 - axis] + offset[1 - axis])
                 };
@@ -226,10 +229,10 @@ impl LaidTiles {
         })
     }
 
-    /// Moves every tile corner by a draw of its own, so that joints bend from tile to tile.
+    /// Moves every tile corner by a random error of its own, so that joints bend from tile to tile.
     fn move_corners(&mut self, tiles: &Tiles, distribution: Distribution, seed: u64, room: [[f64; 2]; 2]) {
-        // Where a joint is not parallel to its axis, a displacement along the joint also shifts it sideways. The tolerance is reduced by
-        // that much, so that the bound stays exact.
+        // Where a joint is not parallel to its grid axis, moving a corner along the joint also shifts the joint sideways. The tolerance for
+        // corners is reduced by that much, so that the declared bound on the joints stays exact.
         let slope =
             (0..2).map(|axis| 2.0 * tiles.laying_tolerance_m / (room[1][axis] - room[0][axis])).fold(0.0, f64::max);
         let tolerance_m = tiles.corner_tolerance_m / (1.0 + slope);
@@ -266,7 +269,7 @@ fn grid_from_world(tiles: &Tiles) -> Rotation2<f64> {
     Rotation2::new(-tiles.rotation_deg.to_radians())
 }
 
-/// Lowest and highest coordinates of the room in the grid frame.
+/// Lowest and highest coordinates of the room in the grid frame, the frame of the tiles.
 fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
     let corners = [[0.0, 0.0], [room.width_m, 0.0], [0.0, room.depth_m], [room.width_m, room.depth_m]]
         .map(|corner| grid_from_world(tiles) * Vector2::from(corner));

@@ -7,15 +7,17 @@ use crate::{
 
 use super::DrawnPlace;
 
-/// Step, in hundredths of the drawn turn, by which the walls' turn is reduced until it leaves the robot room at every place that the scene
-/// gives.
+/// Step, in per cent of the drawn turn, by which the walls' turn is reduced until the turned walls leave room for the robot's body wherever the
+/// scene puts the robot.
 const STEP_PERCENT: i32 = 5;
 
-/// Angle against every wall beyond which a piece of furniture counts as placed across the walls on purpose. Its edges are then outliers,
-/// which the quotas of false claims allow for. Furniture that people place along a wall ends up askew by 1 to 3°.
+/// Angle against every wall beyond which a piece of furniture counts as placed across the walls on purpose. Its edges are then outliers, which
+/// are covered by the number of false readings that the localizer allows for in an image (the quota). Furniture that people place along a wall
+/// ends up askew by 1 to 3°.
 const ON_PURPOSE_DEG: f64 = 5.0;
 
-/// Draws one turn for all walls. The walls agree with each other, so that no image of them can distinguish it from a turn of the robot.
+/// Draws at random one angle by which all walls are turned. The walls agree with each other, so that no image of them can distinguish this turn
+/// from a turn of the robot.
 pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
     let drawn_deg = draw_within(scene.walls_askew_deg(), scene.robot.errors, &mut stream(seed, "walls"));
     let lesser = (0..=100 / STEP_PERCENT).map(|step| drawn_deg * f64::from(100 - STEP_PERCENT * step) / 100.0);
@@ -44,7 +46,8 @@ impl Scene {
     }
 }
 
-/// Signed angle to a direction from the nearest of the others, modulo quarter turns, from −45 to 45 degrees; `None` if there are no others.
+/// Signed angle from the nearest of several directions to a given direction, modulo quarter turns, from −45 to 45 degrees; `None` if `others_deg`
+/// is empty.
 pub(crate) fn turn_from_nearest_deg(direction_deg: f64, others_deg: &[f64]) -> Option<f64> {
     let turns_deg = others_deg.iter().map(|other_deg| (direction_deg - other_deg + 45.0).rem_euclid(90.0) - 45.0);
     turns_deg.min_by(|a, b| a.abs().total_cmp(&b.abs()))

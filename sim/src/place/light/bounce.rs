@@ -1,4 +1,5 @@
-//! Light that arrives by reflection at floor, walls and ceiling: radiosity of rooms of three surfaces, each with one mean.
+//! Light that floor, walls and ceiling of rooms reflect, computed by radiosity: each room has these three surfaces, and each surface one mean
+//! brightness.
 
 use std::f64::consts::PI;
 
@@ -7,7 +8,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 use super::{Illuminance, source::polygon_irradiance};
 use crate::place::building::{Enclosure, Opening};
 
-/// Light that the surfaces of a room reflect onto its floor, its walls and its ceiling, without dimming.
+/// Light that the surfaces of a room reflect onto its floor, its walls and its ceiling, before the factor on all light that yields the
+/// illuminance which the scene states.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bounce {
     /// Reflected illuminance on surfaces that face up, on upright ones, and on those that face down.
@@ -17,9 +19,9 @@ pub struct Bounce {
 /// Direct light and albedos of a room, from which its reflected light is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct RoomLight {
-    /// Mean direct illuminance of floor, walls and ceiling.
+    /// Mean direct illuminance of a room's floor, walls and ceiling.
     pub direct: [Illuminance; 3],
-    /// Mean albedo of floor, walls and ceiling, each in the visible and in the infrared band.
+    /// Mean albedo of a room's floor, walls and ceiling, each in the visible and in the infrared band.
     pub albedo: [[f64; 2]; 3],
 }
 
@@ -30,11 +32,11 @@ const WALLS: usize = 1;
 const LEAST_WALL: f64 = 0.05;
 
 impl Bounce {
-    /// The reflected light of each room.
+    /// Computes the reflected light of each room.
     ///
-    /// Exitances B solve B = ρ·(E + F·B), so that all orders of reflection are included. View factors F are those of empty rectangular
-    /// rooms, which furniture changes little on the average. A share of the walls is open to other rooms; the light that arrives there
-    /// passes into those.
+    /// Exitances B solve B = ρ·(E + F·B), so that all orders of reflection are included. View factors F are those of empty rectangular rooms,
+    /// which furniture changes little on the average. A share of the walls is open to other rooms; the light that arrives there passes into
+    /// those.
     pub fn in_rooms(rooms: &[Enclosure], light: &[RoomLight], openings: &[Opening]) -> Vec<Bounce> {
         let size = SURFACES * rooms.len();
         let mut factors = DMatrix::zeros(size, size);
@@ -43,7 +45,7 @@ impl Bounce {
                 .fixed_view_mut::<SURFACES, SURFACES>(SURFACES * index, SURFACES * index)
                 .copy_from(&view_factors(room));
         }
-        // Share of a room's walls that is open to another room.
+        // Share of the area of a room's walls that is open to another room.
         let mut open = DMatrix::zeros(size, size);
         for Opening { rooms: [one, other], area_m2, .. } in openings {
             for (here, there) in [(*one, *other), (*other, *one)] {
@@ -67,8 +69,8 @@ impl Bounce {
                 value(&light.direct[side])
             });
             let system = DMatrix::identity(size, size) - (&reflectance + &open) * &factors;
-            // The system can be solved, because albedos are at most 1 and some light is always absorbed by the walls; otherwise B would be
-            // infinite.
+            // The linear system for the exitances B can be solved, because albedos are at most 1 and some light is always absorbed by the walls;
+            // otherwise B would be infinite.
             let exitance = system.lu().solve(&(reflectance * first)).unwrap_or_else(|| DVector::zeros(size));
             &factors * exitance
         };
@@ -79,8 +81,8 @@ impl Bounce {
         (0..rooms.len()).map(|room| Bounce { onto: [0, 1, 2].map(|side| onto(SURFACES * room + side)) }).collect()
     }
 
-    /// Reflected light at a place of a room: the room's mean onto a surface that faces along the normal. For the share of the view that
-    /// openings take up, it is the mean of the room behind instead, so that light changes smoothly from room to room.
+    /// Light reflected onto a surface at a point of a room: the room's mean for surfaces with that normal. For the share of the surface's view
+    /// that openings to other rooms take up, it is the mean of the room behind instead, so that light changes smoothly from room to room.
     pub fn at(
         bounces: &[Bounce],
         openings: &[Opening],

@@ -5,21 +5,23 @@ use nalgebra::Vector2;
 use super::{Illuminance, LightMap, Patch};
 use crate::place::building::{Building, Part};
 
-/// Equivalent visible lux over a rectangular floor, per lux of the floor's mean illuminance.
+/// Distribution of light over a rectangular floor: equivalent lux in the visible band (photons counted as lux at 555 nm), per lux of the floor's
+/// mean illuminance.
 #[derive(Clone, Debug)]
 pub struct FloorField {
-    /// World position of the first node of the floor's grid, and the directions along a row of nodes and across the rows.
+    /// World position of the first node of the grid of points at which the light on the floor is known, and the directions along a row of nodes
+    /// and across the rows.
     corner_m: Vector2<f64>,
     axes: [Vector2<f64>; 2],
     count: [usize; 2],
     distance_m: [f64; 2],
-    /// Values at the nodes of the floor's grid, row by row along x.
+    /// Relative illuminance at the nodes of the floor's grid, row by row along x.
     share: Vec<f64>,
 }
 
 impl FloorField {
-    /// The distribution of light over the floor of a light map's first room. `nodes` are the map's own values, or those with the shadows of
-    /// people; `None` if there is no floor.
+    /// The distribution of light over the floor of the first room of a light map, which is the robot's. `nodes` are the values at the map's
+    /// nodes, either the map's own or those with the shadows of people; `None` if the building has no floor.
     pub fn new(building: &Building, map: &LightMap, nodes: &[[f32; 2]]) -> Option<FloorField> {
         let index = building.panels.iter().position(|panel| panel.part == Part::Floor)?;
         let panel = &building.panels[index];
@@ -36,7 +38,7 @@ impl FloorField {
         })
     }
 
-    /// The relative illuminance at a place in the world, bilinear between nodes.
+    /// The illuminance at a point of the floor (world frame) relative to the floor's mean, bilinear between the nodes of the floor's grid.
     pub fn at(&self, place_m: Vector2<f64>) -> f64 {
         let split = |axis: usize| {
             let last = (self.count[axis] - 1) as f64;

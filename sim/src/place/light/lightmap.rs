@@ -1,4 +1,4 @@
-//! Light maps: illuminance over every panel of a building, computed once.
+//! Light maps: illuminance at a grid of points (nodes) on every flat face of a building, computed once.
 
 use nalgebra::Point3;
 
@@ -8,42 +8,46 @@ use crate::{
     scene::Scene,
 };
 
-/// Wanted distance between nodes of the light map on floors, and on all other panels.
+/// Wanted distance between the nodes of the light map (points with a computed illuminance): on floors, and on all other faces of the building.
 const NODE_DISTANCE_M: [f64; 2] = [0.05, 0.08];
-/// Greatest number of nodes of a light map; more would take seconds to compute. In a large hall the nodes are farther apart.
+/// Greatest number of nodes (points with a computed illuminance) of a light map; more would take seconds to compute. In a large hall the nodes
+/// are farther apart.
 const MAX_NODES: f64 = 90_000.0;
-/// Width of the light map in nodes; no panel has more nodes in a row.
+/// Number of nodes (points with a computed illuminance) in a row of the light map; no flat face of the building has more nodes in a row.
 const WIDTH: usize = 1024;
-/// Number of places along each side of a node's cell over which shadows are averaged. Each place is paired with another place of the lamp,
-/// and the number must not be a multiple of 3, or places of the lamp would be left out.
+/// Number of points along each side of a cell around a node of the light map, over which shadows are averaged. Each of these points is paired
+/// with a different point on the lamp. The number must not be a multiple of 3, or points of the lamp would be left out.
 const SUB_PLACES: usize = 7;
 /// Distance within which furniture reduces the reflected light in the corners that it forms with other surfaces.
 const CORNER_REACH_M: f64 = 1.0;
 
-/// Illuminance in both bands over all panels of a building, without dimming.
+/// Illuminance in both bands over all panels (flat faces) of a building, before the factor on all light that yields the illuminance which the
+/// scene states.
 #[derive(Clone, Debug)]
 pub struct LightMap {
-    /// Width and height of the light map, in nodes.
+    /// Numbers of nodes (points with a computed illuminance) along both sides of the light map.
     pub size: [usize; 2],
-    /// Equivalent lux at each node of the light map, in the visible and in the infrared band, row by row.
+    /// Equivalent lux at each node (point) of the light map, in the visible and in the infrared band, row by row.
     pub nodes: Vec<[f32; 2]>,
-    /// The rectangle of the light map that holds each panel's nodes, in the order of the panels.
+    /// For each flat face of the building, in the order of its panels, the rectangle of the light map that holds the face's nodes.
     pub patches: Vec<Patch>,
-    /// Mean illuminance over the floor of the first room, in lux and by band.
+    /// Mean illuminance over the floor of the first room, which is the robot's: in lux, and by band (visible and infrared).
     pub mean_at_floor: Illuminance,
 }
 
-/// The rectangle of a light map that holds a panel's nodes. The first node is at the panel's first corner, the last at the opposite corner.
+/// The rectangle of a light map that holds the nodes (points with a computed illuminance) of one flat face of the building. The first node is at
+/// the face's first corner, the last at the opposite corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// Column and row of the panel's first node in the light map.
+    /// Column and row of the light map in which the first node of a flat face stands.
     pub first: [usize; 2],
-    /// Numbers of nodes along both sides of the panel, at least two each.
+    /// Numbers of light-map nodes (points with a computed illuminance) along both sides of a flat face, at least two each.
     pub count: [usize; 2],
 }
 
 impl LightMap {
-    /// Illuminance of a band at the shares `s` and `t` of a panel's sides, each from 0 to 1; bilinear between nodes.
+    /// Illuminance in one band (visible or infrared) at a point of a flat face, the shares `s` and `t` of the face's sides from 0 to 1; bilinear
+    /// between the nodes of the light map.
     pub fn at(&self, panel: usize, s: f64, t: f64, band: usize) -> f64 {
         let patch = self.patches[panel];
         let split = |share: f64, count: usize| {
@@ -59,7 +63,8 @@ impl LightMap {
     }
 }
 
-/// Computes all light in a building: the reflected light, the factor by which lamps are dimmed, and the light map.
+/// Computes all light in a building: the reflected light, the factor on all lamps, and the light map (illuminance over all faces of the
+/// building).
 pub fn bake(scene: &Scene, building: &Building) -> (Lighting, LightMap) {
     let mut lighting = Lighting::direct(scene, building);
     let (size, patches) = layout(building);
@@ -86,7 +91,8 @@ pub fn bake(scene: &Scene, building: &Building) -> (Lighting, LightMap) {
     (lighting, map)
 }
 
-/// The factor on all lamps that gives the illuminance which the scene states.
+/// The factor on all lamps that yields the illuminance which the scene states at the camera or on the floor; 1 if the scene states how strong
+/// each lamp is.
 fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floor_lux: f64) -> f64 {
     let ratio = |wanted: f64, given: f64| if given > 0.0 { wanted / given } else { 0.0 };
     if let (Some(wanted_lux), Some(camera)) = (scene.light.illuminance_at_camera_lux, &scene.robot.forward_camera) {
@@ -105,7 +111,8 @@ fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floo
     if stated { 1.0 } else { ratio(scene.light.illuminance_at_floor_lux, mean_at_floor_lux) }
 }
 
-/// Places the nodes of every panel in the light map, packed in rows from the tallest panel to the lowest.
+/// Gives each flat face of the building a rectangle of the light map for its nodes. The rectangles are packed in rows, from the tallest to the
+/// lowest.
 fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
     let wanted_m = |panel: &Panel| NODE_DISTANCE_M[usize::from(panel.part != Part::Floor)];
     let wanted: f64 = building.panels.iter().map(|panel| panel.area_m2() / wanted_m(panel).powi(2)).sum();
@@ -135,7 +142,7 @@ fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
     ([WIDTH, (row + row_height).max(1)], patches)
 }
 
-/// Direct light at every node of a panel, shadows included.
+/// Direct light, shadows included, at every light-map node of a flat face.
 fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illuminance> {
     let shadowing: Vec<_> =
         lighting.sources.iter().map(|source| (source, in_the_way(lighting, source, panel))).collect();
@@ -155,16 +162,17 @@ fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illumin
         .collect()
 }
 
-/// The furniture and walls that may stand between a lamp and a panel.
+/// The furniture and walls that may stand between a lamp and a flat face of the building.
 fn in_the_way(lighting: &Lighting, source: &Source, panel: &Panel) -> super::Occluders {
     let ends = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[s, t]| source.shape.place(s, t));
     let places: Vec<Point3<f64>> = ends.into_iter().chain(panel.corners()).collect();
     lighting.occluders.among(&places)
 }
 
-/// Share of a lamp that is visible from a node's cell, weighted by what each place of the lamp contributes.
+/// Share of a lamp that is visible from the cell around a node of the light map, weighted by what each point of the lamp contributes.
 ///
-/// Places in the cell are paired with places on the lamp so that each row, column and diagonal of one sees all of the other.
+/// Points in the cell are paired with points on the lamp in such a way that the partners of each row, column and diagonal of the one grid are
+/// spread over the whole of the other.
 fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patch: Patch, [s, t]: [f64; 2]) -> f64 {
     const N: usize = SUB_PLACES;
     let normal = panel.normal();
@@ -174,7 +182,7 @@ fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patc
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let [s, t] = inside(panel, [s + step[0] * within(i), t + step[1] * within(j)]);
         let at = panel.place(s, t) + normal * 0.001;
-        // A place inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside.
+        // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside.
         if occluders.contain(at) {
             continue;
         }
@@ -189,7 +197,8 @@ fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patc
     if total > 0.0 { seen / total } else { 0.0 }
 }
 
-/// Adds the reflected light to the direct light of a panel's nodes; near furniture it is reduced.
+/// Adds the reflected light to the direct light at the light-map nodes of a flat face. Near furniture, which hides a part of the room from the
+/// face, less is added.
 fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illuminance]) -> Vec<Illuminance> {
     let normal = panel.normal();
     nodes_of(patch)
@@ -202,8 +211,8 @@ fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illu
         .collect()
 }
 
-/// Moves a place on a panel away from the panel's edge by a hair. The edge lies in the planes of the neighbouring panels, where it is
-/// undefined whether they hide it.
+/// Moves a point of a flat face away from the face's edge by a hair. The edge lies in the planes of the neighbouring faces, where it is undefined
+/// whether they hide it.
 fn inside(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
     const HAIR_M: f64 = 0.002;
     let size_m = panel.size_m();
@@ -230,7 +239,7 @@ fn bounces(building: &Building, work: &[(&Panel, Patch)], direct: &[Vec<Illumina
     Bounce::in_rooms(&building.rooms, &light, &building.openings)
 }
 
-/// Mean illuminance over the area of the wanted panels, by the trapezoidal rule.
+/// Mean illuminance over the area of the panels (flat faces) that `wanted` selects, by the trapezoidal rule.
 fn mean_over(work: &[(&Panel, Patch)], nodes: &[Vec<Illuminance>], wanted: impl Fn(&Panel) -> bool) -> Illuminance {
     let (mut sum, mut area_m2) = (Illuminance::default(), 0.0);
     for ((panel, patch), nodes) in work.iter().zip(nodes).filter(|((panel, _), _)| wanted(panel)) {
@@ -245,14 +254,14 @@ fn mean_over(work: &[(&Panel, Patch)], nodes: &[Vec<Illuminance>], wanted: impl 
     if area_m2 > 0.0 { sum.times(1.0 / area_m2) } else { sum }
 }
 
-/// Places of a panel's light-map nodes, as shares of the panel's sides, row by row.
+/// Positions of the light-map nodes of a flat face, as shares of the face's sides, row by row.
 pub(super) fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
     let share = |index: usize, count: usize| index as f64 / (count - 1) as f64;
     (0..patch.count[1])
         .flat_map(move |j| (0..patch.count[0]).map(move |i| [share(i, patch.count[0]), share(j, patch.count[1])]))
 }
 
-/// Results of `work` for every item, in the order of the items, computed by as many threads as there are cores.
+/// Applies `work` to every item, on as many threads as there are cores, and returns the results in the order of the items.
 fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
     let next = std::sync::atomic::AtomicUsize::new(0);

@@ -1,4 +1,4 @@
-//! What blocks light in a building: upright boxes and walls.
+//! Things that block light in a building: upright boxes and walls.
 
 use nalgebra::{Point3, Vector3};
 
@@ -14,13 +14,14 @@ pub struct Occluders {
 }
 
 impl Occluders {
-    /// The boxes of a building. Its walls are included if it has several rooms, so that no light passes through them from one to another.
+    /// The things that block light in a building: its upright boxes, and its walls if it has several rooms, so that no light passes through walls
+    /// from room to room.
     pub fn new(building: &Building) -> Occluders {
         let walls = if building.rooms.len() > 1 { building.walls().cloned().collect() } else { Vec::new() };
         Occluders { boxes: building.boxes.clone(), walls, rooms: building.rooms.clone() }
     }
 
-    /// The boxes and walls that may stand between any two of the given places.
+    /// The boxes and walls that may stand between any two of the given points.
     pub fn among(&self, places: &[Point3<f64>]) -> Occluders {
         let low = places.iter().fold(Point3::from([f64::INFINITY; 3]), |low, at| low.inf(at));
         let high = places.iter().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, at| high.sup(at));
@@ -30,7 +31,7 @@ impl Occluders {
                     && corners.iter().any(|corner| corner[axis] <= high[axis])
             })
         };
-        // A room is convex, so that no wall stands between two places within it.
+        // A room is convex, so that no wall stands between two points within it.
         let in_one_room = self.rooms.iter().any(|room| places.iter().all(|at| room.contains(*at)));
         let walls = self.walls.iter().filter(|wall| !in_one_room && reaches(&wall.corners()));
         Occluders {
@@ -45,17 +46,17 @@ impl Occluders {
         self.boxes.is_empty() && self.walls.is_empty()
     }
 
-    /// Whether a box or a wall stands on the straight line between two places.
+    /// Whether a box or a wall stands on the straight line between two points.
     pub fn block(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.meets(from, to)) || self.walls.iter().any(|wall| wall.meets(from, to))
     }
 
-    /// Whether a place is inside a box.
+    /// Whether a point is inside one of the boxes.
     pub fn contain(&self, at: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.contains(at))
     }
 
-    /// Share of the hemisphere over a surface, weighted by the cosine, that no box within `reach_m` covers.
+    /// Share of the hemisphere over a point of a surface, weighted by the cosine to the surface's normal, that no box within `reach_m` covers.
     pub fn open_share(&self, at: Point3<f64>, normal: Vector3<f64>, reach_m: f64) -> f64 {
         if self.boxes.is_empty() {
             return 1.0;
@@ -75,7 +76,7 @@ impl Occluders {
         open.count() as f64 / N as f64
     }
 
-    /// Share of a lamp's light that reaches a point of a surface, from `samples` × `samples` places on the lamp.
+    /// Share of a lamp's light that reaches a point of a surface, computed from `samples` × `samples` points of the lamp.
     pub fn visible_share(&self, source: &Source, at: Point3<f64>, normal: Vector3<f64>, samples: usize) -> f64 {
         if self.is_empty() {
             return 1.0;
@@ -96,7 +97,7 @@ impl Occluders {
     }
 }
 
-/// Relative contribution of a place on a lamp to the illuminance of a surface: cos θ·cos θ'/d².
+/// Relative contribution of one point of a lamp to the illuminance at a point of a surface: cos θ·cos θ'/d².
 pub(super) fn weight(source: &Source, at: Point3<f64>, place: Point3<f64>, normal: Vector3<f64>) -> f64 {
     let way = place - at;
     let square = way.norm_squared();

@@ -9,14 +9,14 @@ use crate::place::building::{Panel, UprightBody};
 const WIDTH_OF_SHOULDERS: f64 = 0.75;
 /// Least half-width of a shadow's penumbra: a person's outline is less sharp than a cylinder's.
 const LEAST_SOFT_M: f64 = 0.02;
-/// Share of the room's other light that a person hides at the feet, and the distance within which this share falls to 1/e.
+/// Share of the light that a person takes away at the feet in addition to hiding lamps, and the distance within which this share falls to 1/e.
 const AT_FEET: (f64, f64) = (0.35, 0.15);
 /// Distance from a person's feet, in multiples of the decay length of the shade around them, beyond which that shade is neglected (5e-5).
 const FEET_REACH: f64 = 9.0;
 /// Least share of a lamp's light that remains in a shadow, because some light always comes by reflection in the room.
 const LEAST_LEFT: f64 = 0.05;
 
-/// Nodes of a light map with the shadows of people, in the order of [`LightMap::nodes`].
+/// Illuminance at the nodes of a light map with the shadows of people, in the order of [`LightMap::nodes`].
 pub fn nodes_with_people(
     lighting: &Lighting,
     map: &LightMap,
@@ -53,7 +53,7 @@ pub fn nodes_with_people(
     nodes
 }
 
-/// Whether a person may stand between a lamp and some place of a panel.
+/// Whether a person may stand between a lamp and some point of a flat face of the building.
 fn may_shade(source: &Source, person: &UprightBody, corners: &[Point3<f64>; 4]) -> bool {
     let lamp = source.shape.place(0.0, 0.0);
     let reach_m = WIDTH_OF_SHOULDERS * person.radius_m + 0.5 * source.shape.area_m2().sqrt() + LEAST_SOFT_M;
@@ -74,7 +74,7 @@ fn feet_reach(person: &UprightBody, corners: &[Point3<f64>; 4]) -> bool {
         })
 }
 
-/// Equivalent lux in both bands that people keep away from a place by standing before lamps.
+/// Illuminance, as equivalent lux in both bands, that a point loses because people stand before lamps.
 fn hidden(shadows: &[(&Source, &UprightBody)], at: Point3<f64>, normal: Vector3<f64>) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for of_one_lamp in shadows.chunk_by(|one, other| std::ptr::eq(one.0, other.0)) {
@@ -99,7 +99,7 @@ fn hidden(shadows: &[(&Source, &UprightBody)], at: Point3<f64>, normal: Vector3<
     sum
 }
 
-/// Share of a lamp of the given radius that a person hides from a place.
+/// Share of a lamp of the given radius that a person hides from a point.
 fn hidden_behind(person: &UprightBody, at: Point3<f64>, way: Vector3<f64>, lamp_radius_m: f64) -> f64 {
     let to_axis = Point2::from(person.middle_m) - at.xy();
     let level_m = way.xy().norm().max(1e-4);
@@ -110,14 +110,14 @@ fn hidden_behind(person: &UprightBody, at: Point3<f64>, way: Vector3<f64>, lamp_
     }
     let aside_m = direction.perp(&to_axis).abs();
     let share = along_m / level_m;
-    // Half-width of the penumbra where the person stands.
+    // Half-width of the shadow's penumbra, measured where the person stands.
     let soft_m = (lamp_radius_m * share).max(LEAST_SOFT_M);
     let beside_m = WIDTH_OF_SHOULDERS * person.radius_m - aside_m;
     let below_top_m = person.height_m - (at.z + way.z * share);
     smooth_step(beside_m / soft_m) * smooth_step(below_top_m / soft_m)
 }
 
-/// Share of the room's other light that a person hides from places close to the feet.
+/// Share of the light that a person takes away from points close to the feet, in addition to hiding lamps.
 fn hidden_by_feet(person: &UprightBody, at: Point3<f64>) -> f64 {
     let from_axis_m = (Point2::from(person.middle_m) - at.xy()).norm();
     if at.z > person.height_m { 0.0 } else { AT_FEET.0 * (-(from_axis_m - person.radius_m).max(0.0) / AT_FEET.1).exp() }

@@ -17,7 +17,7 @@ pub struct Source {
     pub shape: Shape,
     /// Luminous flux of the lamp.
     pub lumens: f64,
-    /// Photons in each band for every lumen of the lamp.
+    /// Photons in the visible and in the infrared band for every lumen of the lamp.
     pub photons: Photons,
 }
 
@@ -35,7 +35,7 @@ pub enum Shape {
     },
     /// A point that shines equally in all directions.
     Point {
-        /// Place of the point lamp, world frame.
+        /// Position of the point lamp, world frame.
         at: Point3<f64>,
         /// Radius of the disc as which the point lamp appears in an image.
         radius_m: f64,
@@ -51,7 +51,7 @@ impl Shape {
         }
     }
 
-    /// A place on the lamp, at the coordinates `s` and `t` along its axes, each from −1 to 1.
+    /// A point of the lamp, at the coordinates `s` and `t` along its axes, each from −1 to 1.
     pub fn place(&self, s: f64, t: f64) -> Point3<f64> {
         match self {
             Shape::Rectangle { centre, half_u, half_v } => centre + half_u * s + half_v * t,
@@ -110,14 +110,14 @@ pub fn polygon_irradiance(corners: &[Vector3<f64>], normal: Vector3<f64>) -> f64
         .map(|(from, to)| {
             let cross = from.cross(to);
             let length = cross.norm();
-            // A side in line with the surface's point subtends no angle.
+            // A side of the polygon that is in line with the point of the surface subtends no angle.
             if length == 0.0 { 0.0 } else { length.atan2(from.dot(to)) * cross.dot(&normal) / length }
         })
         .sum();
     0.5 * sum.abs()
 }
 
-/// The part of a convex polygon with n·p > 0 (Sutherland and Hodgman).
+/// The part of a convex polygon in the half space n·p > 0 (Sutherland and Hodgman).
 fn above_horizon(corners: &[Vector3<f64>], normal: Vector3<f64>) -> Vec<Vector3<f64>> {
     let mut above = Vec::with_capacity(corners.len() + 1);
     for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
@@ -140,10 +140,11 @@ pub(super) fn sources(scene: &Scene, building: &Building) -> Vec<Source> {
     scene.lamps.iter().map(|lamp| source(lamp, scene.building.ceiling_height_m, building)).collect()
 }
 
-/// A grid of ceiling panels of 0.6 m, about 2.5 m apart, of the wavelength for which the illuminance in the scene's `[light]` is counted.
+/// The lamps of a scene that states none: a grid of ceiling panels of 0.6 m, about 2.5 m apart. Their light has the one wavelength for which the
+/// illuminance in the scene's `[light]` is counted.
 fn default_panels(scene: &Scene) -> Vec<Source> {
     let (width_m, depth_m) = (scene.room.width_m, scene.room.depth_m);
-    // More than a dozen panels along a side would take long to compute and look no different.
+    // More than a dozen ceiling panels along a side of the room would take long to compute and look no different.
     let count = [width_m, depth_m].map(|side_m| (side_m / 2.5).round().clamp(1.0, 12.0) as usize);
     let height_m = scene.building.ceiling_height_m - 0.03;
     let place = |index: usize, count: usize, side_m: f64| (index as f64 + 0.5) / count as f64 * side_m;
@@ -187,7 +188,8 @@ fn shape(lamp: &Lamp, ceiling_m: f64, building: &Building) -> Shape {
     let flat = |size_m: [f64; 2]| Shape::Rectangle {
         centre: at(under_ceiling_m),
         half_u: ahead * (size_m[0] / 2.0),
-        // The sign is chosen so that the cross product with the first axis points down.
+        // The sign is chosen so that the cross product of the lamp's first half axis with this second one points down, the direction in which the
+        // lamp shines.
         half_v: -left * (size_m[1] / 2.0),
     };
     match lamp.kind {

@@ -1,4 +1,4 @@
-//! The occupancy grid on which errands are planned.
+//! The occupancy grid on which paths for the robot's errands (drives to a goal) are planned.
 
 use crate::scene::{Cell, OccupancyGrid, Scene};
 
@@ -6,7 +6,8 @@ use crate::scene::{Cell, OccupancyGrid, Scene};
 const RESOLUTION_M: f64 = 0.05;
 
 impl OccupancyGrid {
-    /// Returns the grid on which a scene's errands are planned: the map file that the scene names, or else a grid of what the scene's room contains.
+    /// Returns the grid on which paths for a scene's errands (drives to a goal) are planned: the map file that the scene names, or else a grid of
+    /// what the scene's room contains.
     pub fn of(scene: &Scene) -> OccupancyGrid {
         let surveyed = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.clone());
         surveyed.unwrap_or_else(|| OccupancyGrid::from_scene(scene))

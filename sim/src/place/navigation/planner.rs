@@ -27,7 +27,7 @@ pub struct Planner {
     open: Vec<bool>,
 }
 
-/// The set of cells that a robot can reach from a place.
+/// The set of cells that a robot can reach from one position.
 #[derive(Clone, Debug)]
 pub struct Reach {
     grid: OccupancyGrid,
@@ -76,12 +76,12 @@ impl Planner {
         Some(self.straighten(&places_m))
     }
 
-    /// Returns the cells that can be reached from a place, or `None` when the place itself is too near to an obstacle.
+    /// Returns the cells that can be reached from a position, or `None` when the position itself is too near to an obstacle.
     pub fn reach(&self, from_m: [f64; 2]) -> Option<Reach> {
         self.grid.cell_at(from_m).filter(|&cell| self.is_open(cell)).map(|start| self.reach_of(start))
     }
 
-    /// Returns the cells that can be reached from the free cell nearest to a place, or `None` when no free cell is near it.
+    /// Returns the cells that can be reached from the free cell nearest to a position, or `None` when no free cell is near it.
     pub fn reach_near(&self, from_m: [f64; 2]) -> Option<Reach> {
         self.nearest_open(from_m).map(|start| self.reach_of(start))
     }
@@ -182,7 +182,7 @@ fn turns(places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 impl Reach {
-    /// Whether a world place lies in a cell that can be reached.
+    /// Whether a position in the world lies in a cell that can be reached.
     pub fn contains(&self, place_m: [f64; 2]) -> bool {
         self.grid.cell_at(place_m).is_some_and(|[column, row]| self.is_reached[row * self.grid.size[0] + column])
     }
@@ -203,7 +203,7 @@ impl Reach {
     }
 }
 
-/// Returns the length of a polyline through places.
+/// Returns the length of the polyline through the given points.
 pub fn length_m(places_m: &[[f64; 2]]) -> f64 {
     places_m.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
 }

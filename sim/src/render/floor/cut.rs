@@ -1,4 +1,5 @@
-//! The part of a floor that a view sees: its uniform values, its tile faces and its bands.
+//! The part of a floor that a view sees: values for the whole picture, the faces of tiles, and the flat bands that lie over them (joints, wires,
+//! tapes, coverings, walls).
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Isometry3, Matrix3, Vector2};
@@ -22,10 +23,10 @@ use crate::{
 /// Number of stripes on a tile, by the scene's definition of the striped pattern: they are a fifth of the tile apart.
 const STRIPES_IN_TILE: f64 = 5.0;
 
-/// Number of places along each side of a view's image at which lamplight is computed; 1 cm apart where a floor camera sees half a metre.
+/// Number of points along each side of a picture at which lamplight is computed; they are 1 cm apart where a floor camera sees half a metre.
 pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
 
-/// The floor of a world, from which the part that a view sees is cut.
+/// The floor of a world as the renderer knows it; from it the part is cut that a picture shows.
 #[derive(Debug)]
 pub(in crate::render) struct Floor {
     tiled: Option<(Tiles, LaidTiles)>,
@@ -37,18 +38,18 @@ pub(in crate::render) struct Floor {
     coverings: Vec<Region>,
 }
 
-/// The part of a floor that one view sees.
+/// The part of a floor that one picture (view) shows, ready to be drawn.
 pub(super) struct Cut {
     pub(super) uniform: ViewOnDevice,
     pub(super) faces: Vec<TileInstance>,
-    /// Bands over the floor (joints, coverings, strays, walls), in the order in which they lie on each other.
+    /// Flat bands over the floor (joints, coverings, stray wires and tapes, walls), in the order in which they lie on each other.
     pub(super) bands: Vec<BandInstance>,
 }
 
 /// Rows of a 3 × 3 matrix, as `Homography` of view.wgsl.
 type Rows = [[f32; 4]; 3];
 
-/// Device layout of `View` of view.wgsl: the values of one view of the floor.
+/// Device layout of `View` of view.wgsl: the values that the shader needs for one picture of the floor.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct ViewOnDevice {
@@ -74,7 +75,7 @@ pub(super) struct ViewOnDevice {
 }
 
 impl Floor {
-    /// The floor of a scene as it was truly laid.
+    /// The floor of a scene as it was truly laid, for the renderer.
     pub(in crate::render) fn new(scene: &Scene, drawn: &Drawn, lamplight: Option<FloorField>) -> Floor {
         Floor {
             tiled: scene.floor.tiles.clone().zip(drawn.place.tiles.clone()),
@@ -86,12 +87,12 @@ impl Floor {
         }
     }
 
-    /// Pattern of the floor's tiles; plain if there are none.
+    /// Pattern of the floor's tiles; the plain pattern if the floor has no tiles.
     pub(super) fn pattern(&self) -> Pattern {
         self.tiled.as_ref().map_or(Pattern::Plain, |(tiles, _)| tiles.pattern)
     }
 
-    /// Cuts out the part of the floor that a view sees.
+    /// Cuts out the part of the floor that a picture (view) shows.
     pub(super) fn cut(&self, view: &View, seen_by: &LensSlot) -> Result<Cut, RenderError> {
         if view.lens.focal_px[0] != view.lens.focal_px[1] {
             return Err(RenderError::BadView("the floor from near is drawn for lenses of one focal length"));
@@ -110,7 +111,7 @@ impl Floor {
         Ok(Cut { uniform: self.uniform((view, &plate), &path, &frame)?, faces, bands })
     }
 
-    /// Light of the scene's lamps at the floor points that a view shows in the middle of their row's exposure, per lux of the mean. It is
+    /// Light of the scene's lamps at the floor points that a picture shows in the middle of the exposure of their row, per lux of the mean. It is
     /// given in [`LAMPLIGHT_PX`] rows of as many places, evenly spaced from the image's first pixel to its last in both directions; `None`
     /// without lamps.
     pub(in crate::render) fn lamplight_over(&self, view: &View, seen_by: &LensSlot) -> Option<Vec<f32>> {
@@ -144,7 +145,7 @@ impl Floor {
             *rows = rows_of(&local_from_pixel(pose));
         }
         let origin_in_world = frame.grid_from_world.inverse() * frame.origin_in_grid;
-        // The unevenness of lamplight is laid over the picture later, so that the light is even here.
+        // Where the scene has lamps, the unevenness of their light is laid over the whole picture later, so that the light is even here.
         let (factor, gradient_per_m) = match &self.lamplight {
             None => (self.light.factor_at(origin_in_world), self.light.gradient_per_m),
             Some(_) => (1.0, Vector2::zeros()),
@@ -154,8 +155,8 @@ impl Floor {
         let light_at_origin = view.illuminance_at_floor_lux * factor / std::f64::consts::PI;
         let [cu, cv] = plate.principal_point_px;
         let [k1, k2, p1, p2, k3] = view.lens.distortion.map(|coefficient| coefficient as f32);
-        // Share of the whole time by which each row's exposure begins after the row before: what of the time is not one row's exposure,
-        // spread over all rows.
+        // Delay from the start of one row's exposure to the start of the next row's, as a share of the time from the first row's start to the
+        // last row's end: that time less the exposure of one row, spread over all rows.
         let share_per_row = (1.0 - path.exposed_share) / f64::from(view.lens.size_px[1] - 1);
         let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
         Ok(ViewOnDevice {
@@ -181,7 +182,7 @@ impl Floor {
         })
     }
 
-    /// The part of the floor that the view sees during its exposure. A view that reaches above the horizon is taken to see the whole room.
+    /// The part of the floor that the camera sees during its exposure. A camera that sees above the horizon is taken to see the whole room.
     fn footprint(&self, plate: &Intrinsics, path: &Path, frame: &LocalFrame) -> Footprint {
         let [width, height] = plate.size_px.map(|size| f64::from(size) - 0.5);
         let pixels = [[-0.5, -0.5], [width, -0.5], [-0.5, height], [width, height]];
@@ -197,7 +198,7 @@ impl Floor {
             let (Some(place), Some(next)) = (at(&path.middle, pixel), at(&path.middle, beside)) else {
                 return self.whole_room(frame);
             };
-            // The diagonal of a pixel, and half as much again for the margin in which coverage fades.
+            // The diagonal of a pixel on the floor, and half as much again for the margin in which the edges of drawn faces and bands fade out.
             seen.pixel_m = seen.pixel_m.max(1.5 * (next - place).norm());
             for pose in &path.sub_frame_ends {
                 let Some(moved) = at(pose, pixel) else {

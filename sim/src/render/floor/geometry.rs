@@ -1,4 +1,4 @@
-//! The part of the floor that a view sees, as instances of faces and bands in the view's local frame.
+//! The part of the floor that a picture shows, as tile faces and flat bands in the picture's local frame.
 
 use std::ops::Range;
 
@@ -51,31 +51,32 @@ pub(super) struct BandInstance {
     capped: f32,
 }
 
-/// Rectangle in the local frame that bounds the part of the floor that a view sees.
+/// Rectangle in the local frame that bounds the part of the floor that a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Footprint {
     pub(super) low: Vector2<f64>,
     pub(super) high: Vector2<f64>,
     /// Extent of an image pixel on the floor.
     pub(super) pixel_m: f64,
-    /// Greatest motion of an image pixel over the floor from the middle of the exposure to either end, along x and y.
+    /// Greatest motion of an image pixel over the floor from the middle of the exposure to any other time of it, along x and y of the local
+    /// frame.
     pub(super) motion_m: Vector2<f64>,
 }
 
 impl Footprint {
-    /// Extent and motion of an image pixel on the floor, across a band of the given direction.
+    /// Extent plus motion of an image pixel on the floor, across a flat band (a joint, wire or wall) of the given direction.
     fn margin_m(&self, direction: Vector2<f64>) -> f64 {
         self.pixel_m + self.motion_m.x * direction.y.abs() + self.motion_m.y * direction.x.abs()
     }
 
-    /// Extent and motion of an image pixel on the floor, in any direction.
+    /// Extent plus motion of an image pixel on the floor, in whatever direction it is greatest.
     fn widest_margin_m(&self) -> f64 {
         self.pixel_m + self.motion_m.norm()
     }
 }
 
 impl BandInstance {
-    /// A flat band over the floor, of full contrast between two places and capped at both ends.
+    /// A flat band over the floor from one point to another, which ends at both points and has full contrast all along.
     fn between(from: Vector2<f64>, to: Vector2<f64>, width_m: f64, margin_m: [f64; 2]) -> Self {
         let reach = to - from;
         let direction = reach.try_normalize(0.0).unwrap_or(Vector2::x());
@@ -94,7 +95,7 @@ impl BandInstance {
     }
 }
 
-/// A single face that covers all of the floor that the view sees at any time of its exposure.
+/// A single flat face that covers all of the floor that the camera sees at any time of its exposure.
 pub(super) fn plain_face(seen: &Footprint) -> TileInstance {
     let (low, high) = (seen.low - seen.motion_m, seen.high + seen.motion_m);
     TileInstance {
@@ -106,11 +107,11 @@ pub(super) fn plain_face(seen: &Footprint) -> TileInstance {
     }
 }
 
-/// The laid tiles, with their corners counted from a view's local origin.
+/// The tiles as they were truly laid, with their corners counted from the origin of a picture's local frame.
 struct TileWindow<'a> {
     tiles: &'a Tiles,
     laid: &'a LaidTiles,
-    /// Indices of the laid corner whose nominal place is the local origin.
+    /// Indices of the tile corner whose nominal place is the origin of the local frame.
     origin: [i32; 2],
 }
 
@@ -155,7 +156,7 @@ impl TileWindow<'_> {
         self.nominal_corner(place) + Vector2::from(self.laid.corner_offset_m[self.index(place)])
     }
 
-    /// The face of the tile whose corner of least indices is `(i, j)`.
+    /// The flat face of the tile whose corner with the least indices is `(i, j)`.
     fn face(&self, [i, j]: [usize; 2]) -> TileInstance {
         TileInstance {
             corners: [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(|place| single(self.corner(place))),
@@ -238,13 +239,13 @@ pub(super) fn walls_in_view<'a>(
 ) -> impl Iterator<Item = BandInstance> + 'a {
     let [width, depth] = plan.size_m;
     let corners = [[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]].map(|corner| plan.stands(corner));
-    // Depth of the band that stands for the area behind a wall: enough to fill the view beyond the wall from any place in the room.
+    // Depth of the flat band that stands for the area behind a wall: enough to fill the picture beyond the wall from any place in the room.
     let depth_m = (seen.high - seen.low).norm() + 1.0;
     (0..4).filter_map(move |side| {
         let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|corner| frame.place(corner.into()));
         let along = (to - from).normalize();
         let outward = vector![along.y, -along.x];
-        // Distance of the view's outermost corner on the floor beyond the wall.
+        // Distance from the wall to the outermost corner of the visible part of the floor, if that corner is beyond the wall.
         let farthest_m = (0..4)
             .map(|k| {
                 let x = if k & 1 == 0 { seen.low.x } else { seen.high.x };
@@ -262,7 +263,7 @@ pub(super) fn walls_in_view<'a>(
     })
 }
 
-/// The indices of a tile corner one step along an axis; `None` below the first index.
+/// The indices of the tile corner that is `step` corners away along a grid axis; `None` if an index would be below 0.
 fn stepped(place: [usize; 2], axis: usize, step: isize) -> Option<[usize; 2]> {
     let mut next = place;
     next[axis] = next[axis].checked_add_signed(step)?;

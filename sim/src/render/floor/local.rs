@@ -1,19 +1,21 @@
-//! The local frame of a view's floor coordinates, and homographies between it and the image.
+//! The local frame, in which a picture's floor points are computed, and homographies between that frame and the image.
 
 use nalgebra::{Isometry3, Matrix3, Rotation2, Vector2, vector};
 
 use crate::{optics::Intrinsics, place::drawn::LaidTiles, scene::Tiles};
 
-/// Frame `local`: the grid frame of the tiles moved to a corner near the camera, so that single precision suffices.
+/// The frame `local`, in which the floor is drawn: the grid frame of the tiles moved to a corner near the camera, so that single precision
+/// suffices.
 pub(super) struct LocalFrame {
     pub(super) grid_from_world: Rotation2<f64>,
     pub(super) origin_in_grid: Vector2<f64>,
-    /// Indices of the two joints that cross at the origin of the frame.
+    /// Indices of the two floor joints that cross at the origin of the local frame.
     pub(super) corner: [i32; 2],
 }
 
 impl LocalFrame {
-    /// The local frame at the nominal tile corner nearest to a place in the world, or at the place itself on a floor without tiles.
+    /// The local frame, with its origin at the nominal tile corner nearest to a point in the world, or at that point itself on a floor without
+    /// tiles.
     pub(super) fn near(place_m: Vector2<f64>, tiled: Option<&(Tiles, LaidTiles)>) -> LocalFrame {
         let Some((tiles, _)) = tiled else {
             return LocalFrame { grid_from_world: Rotation2::identity(), origin_in_grid: place_m, corner: [0; 2] };
@@ -29,7 +31,7 @@ impl LocalFrame {
         }
     }
 
-    /// Coordinates of a world place in the local frame.
+    /// Coordinates of a point of the world in the local frame.
     pub(super) fn place(&self, place_in_world_m: Vector2<f64>) -> Vector2<f64> {
         self.grid_from_world * place_in_world_m - self.origin_in_grid
     }
@@ -63,6 +65,7 @@ pub(super) fn clip_from_local(local_from_pixel: &Matrix3<f64>, intrinsics: &Intr
     // The outer edges of the first pixel are at −0.5.
     let clip_from_pixel = Matrix3::new(x, 0.0, (cu + 0.5) * x - 1.0, 0.0, y, (cv + 0.5) * y + 1.0, 0.0, 0.0, 1.0);
     let pixel_from_local = local_from_pixel.try_inverse()?;
-    // The inverse of (n, d) ↦ n/d gives pixel·k and k = 1/d at the same place; the sign of k is that of the depth.
+    // The floor point of a pixel is n/d, with n and d linear in the pixel. The inverse of this matrix gives pixel·k with k = 1/d for the floor
+    // point; the sign of k is that of the depth.
     Some(clip_from_pixel * pixel_from_local)
 }

@@ -1,4 +1,4 @@
-//! Pipelines that draw the floor: one per pattern for the faces of tiles, and one for the bands over them.
+//! Graphics pipelines that draw the floor: one per pattern for the faces of tiles, and one for the flat bands that lie over them.
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 
@@ -18,14 +18,14 @@ const BAND_SHADER: &str = concat!(
     include_str!("band.wgsl")
 );
 
-/// Blending that lays the light of a band over what was there: `source + (1 − hidden share)·target`.
+/// Blending that lays the light of a band over the floor drawn before it: `source + (1 − hidden share)·target`, where the band is the source.
 const OVER: BlendComponent = BlendComponent {
     src_factor: BlendFactor::One,
     dst_factor: BlendFactor::OneMinusSrcAlpha,
     operation: BlendOperation::Add,
 };
 
-/// Pipelines for tile faces, one for each pattern in the order of [`Pattern`], for a rolling shutter or a global one.
+/// Graphics pipelines for tile faces, one for each pattern in the order of [`Pattern`], for a rolling shutter or a global one.
 pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> [wgpu::RenderPipeline; 4] {
     let tile_attributes = wgpu::vertex_attr_array![
         0 => Float32x4, 1 => Float32x4, 2 => Float32x2, 3 => Float32, 4 => Uint32, 5 => Uint32
@@ -44,7 +44,7 @@ pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rollin
     })
 }
 
-/// The pipeline that draws joints, stray wires and tapes, coverings, and walls over the floor.
+/// The graphics pipeline that draws joints, stray wires and tapes, coverings, and walls over the floor.
 pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> wgpu::RenderPipeline {
     let band_attributes = wgpu::vertex_attr_array![
         0 => Float32x2, 1 => Float32x2, 2 => Float32, 3 => Float32, 4 => Float32x2,

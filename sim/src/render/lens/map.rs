@@ -11,8 +11,8 @@ const WIDEST_PLATE: f64 = 3.0;
 /// Greatest and least side of a cell of the lens's map, in pixels.
 const WIDEST_CELL_PX: u32 = 128;
 const NARROWEST_CELL_PX: u32 = 8;
-/// Greatest error of a map cell's polynomials, to which cells are cut down: a fifth of the other errors in the place of a dot seen through
-/// a distorting lens.
+/// Greatest error of the polynomials of a cell of the lens's map, which is cut into smaller cells to keep it. It is a fifth of the other errors
+/// in the image position of a dot seen through a distorting lens.
 const MAP_TOLERANCE_PX: f64 = 2e-3;
 /// Number of terms of a polynomial of the third degree in two variables.
 const N_TERMS: usize = 10;
@@ -33,10 +33,10 @@ pub(super) struct LensMap {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct MapCell {
-    /// First pixel of the map cell and the one after its last, along u and v.
+    /// First pixel of the map cell, and the pixel just after its last, along u and v.
     bounds_px: [[f32; 2]; 2],
-    /// Coefficients for place minus pixel along u and v of the plate, for the terms 1, u, v, u², uv, v², u³, u²v, uv², v³ counted from the
-    /// cell's middle.
+    /// Coefficients of the cell's polynomials for the difference between place on the plate and pixel, along u and v, for the terms 1, u, v, u²,
+    /// uv, v², u³, u²v, uv², v³. Pixels are counted from the cell's middle.
     terms: [[f32; 2]; N_TERMS],
 }
 

@@ -1,4 +1,5 @@
-//! Edges of faces in the image. The image has one sample a pixel, which leaves edges in steps; they are drawn again to make them smooth.
+//! Edges of faces in the image. Faces are drawn with one sample a pixel, which leaves their edges jagged; the edges are drawn once more to make
+//! them smooth.
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -11,7 +12,7 @@ use crate::place::{
     light::{Lighting, Shape},
 };
 
-/// Overlap up to which two panels count as touching and not as running through each other.
+/// Overlap up to which two panels (flat faces) count as touching and not as running through each other.
 const MEETING_M: f64 = 0.002;
 
 /// Device layout of `Edge` of edge.wgsl: one edge of a face.
@@ -39,7 +40,7 @@ impl EdgeOnDevice {
         }
     }
 
-    /// The same edge with ends that move at the given velocities.
+    /// This edge with ends that move at the given velocities.
     fn moving(self, velocities_m_per_s: [Vector3<f64>; 2]) -> Self {
         let [start_velocity, end_velocity] = velocities_m_per_s.map(|v| [v.x as f32, v.y as f32, v.z as f32]);
         EdgeOnDevice { start_velocity, end_velocity, ..self }
@@ -49,12 +50,12 @@ impl EdgeOnDevice {
 /// Edges of all faces in a building that do not move.
 #[derive(Debug)]
 pub(super) struct Edges {
-    /// Indices of the panels that each edge of the building belongs to.
+    /// Indices of the panels (flat faces, one or two) that each edge of the building belongs to.
     panels: Vec<[Option<usize>; 2]>,
 }
 
 impl Edges {
-    /// Ranges of edges that are drawn: those that belong to no hidden panel.
+    /// Ranges in the list of edges that are drawn: the edges that belong to no panel (flat face) for which `hidden` is true.
     pub(super) fn runs(&self, hidden: &[bool]) -> Vec<Range<u32>> {
         let is_shown = |panels: &[Option<usize>; 2]| !panels.iter().flatten().any(|panel| hidden[*panel]);
         let mut start = 0;
@@ -71,8 +72,8 @@ impl Edges {
 /// A rectangle in space, as a corner and the two sides from it.
 type Rectangle = (Point3<f64>, Vector3<f64>, Vector3<f64>);
 
-/// Edges of all panels and lamps. For a rolling shutter, which bends faces and edges alike, they are cut as the faces are; otherwise they
-/// are whole. Edges of what stands out from walls come last, because they hide those just behind them.
+/// Edges of all panels (flat faces) and rectangular lamps. For a rolling shutter, which bends faces and edges alike, edges are cut into pieces as
+/// the faces are; otherwise they are whole. Edges of things that stand out from walls come last, because they hide the edges just behind them.
 pub(super) fn of_building(building: &Building, lighting: &Lighting, rolling: bool) -> (Vec<EdgeOnDevice>, Edges) {
     let panels =
         building.panels.iter().enumerate().map(|(index, panel)| (Some(index), (panel.corner, panel.along, panel.up)));
@@ -98,14 +99,14 @@ pub(super) fn of_building(building: &Building, lighting: &Lighting, rolling: boo
     (edges, Edges { panels })
 }
 
-/// Edges where panels run through each other, such as those of frames that are let into a wall.
+/// Edges where two panels (flat faces) run through each other, such as those of door frames that are let into a wall.
 fn meetings(panels: &[Panel]) -> impl Iterator<Item = ([Option<usize>; 2], EdgeOnDevice)> + '_ {
     let pairs = (0..panels.len()).flat_map(|one| (0..one).map(move |other| [one, other]));
     pairs.filter_map(|pair| {
         let [one, other] = pair.map(|index| &panels[index]);
         let normals = [one, other].map(|panel| panel.along.cross(&panel.up).normalize());
         let along = normals[0].cross(&normals[1]).try_normalize(1e-3)?;
-        // The point nearest to the first panel's corner on the line in which the planes of two panels meet.
+        // The point nearest to the first face's corner on the line in which the planes of two flat faces meet.
         let down = normals[1] - normals[0] * normals[0].dot(&normals[1]);
         let start = one.corner - down * (normals[1].dot(&(one.corner - other.corner)) / down.norm_squared());
         let within = [(one, one.along), (one, one.up), (other, other.along), (other, other.up)];
@@ -113,7 +114,7 @@ fn meetings(panels: &[Panel]) -> impl Iterator<Item = ([Option<usize>; 2], EdgeO
         for (panel, side) in within {
             let (at, slope) = (side.dot(&(start - panel.corner)), side.dot(&along));
             let length = side.norm_squared();
-            // Along its own border a panel has an edge already, so that no other one is added there.
+            // Where the other panel's plane meets this panel along its border, there is an edge already, so that no other one is added.
             let border = MEETING_M * side.norm();
             if slope.abs() < 1e-9 * side.norm() {
                 if at < border || at > length - border {

@@ -1,4 +1,4 @@
-//! Panels, lamps and discs of a building in the form in which the graphics device reads them.
+//! Panels (flat faces), lamps and discs (retro-reflective dots and bulbs) of a building in the form in which the graphics device reads them.
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -14,19 +14,20 @@ use crate::{
     scene::Pattern,
 };
 
-/// Greatest length of the cells into which faces of the building are cut. Within a cell, a row of a rolling shutter is interpolated
-/// linearly. Before a wall at half a metre, this keeps the effect of a camera's turn by 12 px during readout accurate to 0.1 px.
+/// Greatest length of the cells into which faces of the building are cut. Within a cell, the row at which a rolling shutter sees a point is
+/// interpolated linearly. Before a wall at half a metre, a turn of the camera by 12 px during readout is then drawn accurately to 0.1 px.
 const CELL_M: f64 = 0.1;
-/// Greatest number of cells along a side of a panel, however long the side is.
+/// Greatest number of cells along a side of a flat face of the building, however long the side is.
 const MOST_CELLS: f64 = 128.0;
-/// Number of cells along a side of the blocks of a panel in which reflected lamps are searched for.
+/// Number of cells along each side of a block, which is the part of a panel (flat face) for which the lamps reflected in it are determined
+/// together.
 const BLOCK_CELLS: u32 = 5;
 /// Albedo of a lamp's diffuser, as in lamp.wgsl.
 const DIFFUSER_ALBEDO: f64 = 0.7;
 /// Albedo of a retro-reflective dot in light that does not come from the camera.
 const DOT_ALBEDO: f32 = 0.3;
 
-/// Device layout of `Surface` of world.wgsl: one panel.
+/// Device layout of `Surface` of world.wgsl: one flat face (panel) of the building.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct SurfaceOnDevice {
@@ -37,7 +38,7 @@ pub(super) struct SurfaceOnDevice {
     size: [f32; 4],
 }
 
-/// Device layout of `Node` of surface.wgsl: a vertex of a panel.
+/// Device layout of `Node` of surface.wgsl: a vertex of a flat face (panel) of the building.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct NodeOnDevice {
@@ -81,7 +82,7 @@ pub(super) struct GridOnDevice {
     padding: [u32; 2],
 }
 
-/// All panels of a building in the device's form, with their albedo in one band.
+/// All flat faces (panels) of a building in the device's form, with their albedo in one band (visible or infrared).
 pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> Vec<SurfaceOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
     let surface = |(panel, patch): (&crate::place::building::Panel, &Patch)| {
@@ -97,14 +98,14 @@ pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> V
     building.panels.iter().zip(patches).map(surface).collect()
 }
 
-/// All panels of a building cut into blocks, and the blocks into cells.
+/// All flat faces (panels) of a building cut into blocks, and the blocks into cells.
 #[derive(Debug)]
 pub(super) struct Cells {
-    /// Faces of the panels, grouped by the kind of surface.
+    /// The building's flat faces, grouped by the kind of surface.
     by_kind: Vec<(Kind, Vec<Face>)>,
 }
 
-/// The face of a panel, as a whole and cut into blocks.
+/// A flat face (panel) of the building as triangles, both as a whole and cut into blocks.
 #[derive(Debug)]
 struct Face {
     panel: usize,
@@ -112,19 +113,19 @@ struct Face {
     blocks: Vec<Block>,
 }
 
-/// A block of a panel, as a whole and cut into cells.
+/// A block of a flat face of the building as triangles, both as a whole and cut into cells.
 #[derive(Debug)]
 struct Block {
     whole: Rectangle,
     cells: Vec<Rectangle>,
-    /// Data for reflections of lamps in a block of a panel; `None` if the panel does not mirror.
+    /// What is needed to determine which lamps are seen reflected in this block of a flat face; `None` if the face does not mirror.
     glossy: Option<GlossyCell>,
 }
 
 /// A rectangle as two triangles, each given by the indices of its three vertices.
 type Rectangle = [u32; 6];
 
-/// Indices of the panel vertices to draw, three to a triangle, and the runs into which they are divided.
+/// Indices of the vertices of the faces to draw, three to a triangle, and the runs into which they are divided.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
     pub(super) indices: Vec<u32>,
@@ -142,9 +143,9 @@ pub(super) struct Run {
 }
 
 impl Cells {
-    /// Everything to draw except hidden panels, as seen from the given places; a reflected lamp is searched for only where it may be
-    /// visible. Panels are cut only where they must be, for the rows of a rolling shutter or for lamps: along an edge that two triangles
-    /// share, a driver shades the pixels twice.
+    /// Lists the triangles of all flat faces but those marked in `hidden`, for cameras at the given points; a reflected lamp is searched for only
+    /// where it may be visible. Faces are cut only where they must be, for the rows of a rolling shutter or for lamps: along an edge that two
+    /// triangles share, a driver shades the pixels twice.
     pub(super) fn seen_from(
         &self,
         eyes: &[Point3<f64>],
@@ -187,12 +188,12 @@ impl Cells {
     }
 }
 
-/// Number of cells into which a panel's side of the given length is cut.
+/// Number of cells into which a side, of the given length, of a flat face is cut.
 pub(super) fn cells_along(side_m: f64) -> u32 {
     (side_m / CELL_M).ceil().clamp(1.0, MOST_CELLS) as u32
 }
 
-/// Cuts the panels of a building into cells, and makes the vertices at the cells' corners.
+/// Cuts the flat faces of a building into cells, and makes the vertices at the cells' corners.
 pub(super) fn cells(building: &Building, lighting: &Lighting) -> (Vec<NodeOnDevice>, Cells) {
     let (mut nodes, mut by_kind) = (Vec::new(), Vec::new());
     let kind_of = |index: usize| Kind::of(&building.panels[index].material);
@@ -205,7 +206,7 @@ pub(super) fn cells(building: &Building, lighting: &Lighting) -> (Vec<NodeOnDevi
     (nodes, Cells { by_kind })
 }
 
-/// The face of one panel; its vertices are appended to `nodes`.
+/// The triangles of one flat face (panel); its vertices are appended to `nodes`.
 fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Face {
     let panel = &building.panels[panel_index];
     let [columns, rows] = panel.size_m().map(cells_along);
@@ -254,8 +255,8 @@ fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: 
     Face { panel: panel_index, whole: rectangle([0, 0], [columns, rows]), blocks }
 }
 
-/// Lamps with their luminance in one band, in their order on the device. The luminance includes the room's light that the lamp's diffuser
-/// reflects.
+/// Lamps with their luminance in one band (visible or infrared), in their order on the device. The luminance includes the room's light that the
+/// lamp's diffuser reflects.
 pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
     let lamp = |source: &Source| {
@@ -290,7 +291,7 @@ fn in_order(lighting: &Lighting) -> impl Iterator<Item = &Source> {
     of_shape(false).chain(of_shape(true))
 }
 
-/// Retro-reflective dots, lit by the light at their place, followed by bulbs.
+/// Retro-reflective dots, lit by the light at their position, followed by bulbs.
 pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Vec<DiscOnDevice> {
     let single = |at: Point3<f64>| [at.x as f32, at.y as f32, at.z as f32];
     let dots = building.dots.iter().map(|dot| {
@@ -299,7 +300,7 @@ pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Ve
         DiscOnDevice {
             centre: single(dot.centre),
             radius_m: dot.radius_m as f32,
-            // A retroreflection of exactly 0 would mark the dot as a bulb.
+            // A retroreflection of exactly 0 would make the shader take the dot for a bulb.
             retroreflection: (dot.retroreflection_cd_per_lux_m2 as f32).max(1e-6),
             matt: light as f32 / lighting.dimming.max(1e-30) as f32 * DOT_ALBEDO,
         }

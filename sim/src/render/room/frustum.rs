@@ -1,24 +1,24 @@
-//! Determines what a view cannot show, so that it need not be drawn.
+//! Determines what a picture cannot show, so that it need not be drawn.
 
 use nalgebra::{Isometry3, Point3};
 
 use super::motion::SubFrame;
 
-/// Distance of the near plane from the camera, as in view.wgsl.
+/// Distance from the camera up to which nothing is drawn (the near plane), as in view.wgsl.
 const NEAR_M: f64 = 0.02;
 /// Share of the image's size by which rows of a rolling shutter and soft edges may reach beyond the image.
 const MARGIN: f64 = 0.1;
 
-/// The viewing cone of a camera's image at each sub-frame of the exposure.
+/// The viewing cones of a camera at all sub-frames, the instants by which an exposure is approximated.
 pub(super) struct Frustum {
     camera_from_world: Vec<Isometry3<f64>>,
-    /// Tangents of the viewing cone's limits along u and v: the least in `low`, the greatest in `high`.
+    /// Tangents of the angles that limit the viewing cone along u and v: the least in `low`, the greatest in `high`.
     low: [f64; 2],
     high: [f64; 2],
 }
 
 impl Frustum {
-    /// The viewing cone of an image of the given size and principal point, for all sub-frames.
+    /// The viewing cones for an image of the given size and principal point, one for each sub-frame (instant of the exposure).
     pub(super) fn new(frames: &[SubFrame], focal_px: [f64; 2], size_px: [u32; 2], centre_px: [f64; 2]) -> Frustum {
         let tangent = |axis: usize, share: f64| (share * f64::from(size_px[axis]) - centre_px[axis]) / focal_px[axis];
         Frustum {
@@ -28,8 +28,8 @@ impl Frustum {
         }
     }
 
-    /// Whether nothing between the given places can be seen, because they all lie beyond the same side of the viewing cone. Sometimes this
-    /// misses a thing that cannot be seen, which is then drawn in vain.
+    /// Whether nothing between the given points can be seen, because they all lie beyond the same side of the viewing cone. Sometimes this misses
+    /// a thing that cannot be seen, which is then drawn in vain.
     pub(super) fn hides(&self, places: &[Point3<f64>]) -> bool {
         self.camera_from_world.iter().all(|camera_from_world| {
             let seen = || places.iter().map(|place| camera_from_world * place);
@@ -67,7 +67,7 @@ mod tests {
         assert!(view(&[frame(0.0)]).hides(&square(1.25, 1.0)));
         assert!(!view(&[frame(0.0), frame(0.2)]).hides(&square(1.25, 1.0)));
         assert!(view(&[frame(0.0)]).hides(&square(0.0, -1.0)));
-        // The places lie beyond opposite sides of the view. Between them something may be visible, so that it must not be left out.
+        // The points lie beyond opposite sides of the picture. Between them something may be visible, so that it must not be left out.
         assert!(!view(&[frame(0.0)]).hides(&[Point3::new(5.0, 0.0, 1.0), Point3::new(-5.0, 0.0, 1.0)]));
     }
 }

@@ -9,13 +9,13 @@ use crate::place::light::{Occluders, Shape};
 const BUMP_REACH: f64 = 2.236 * 1.3;
 /// Distance, in standard deviations, at which the bell through which a bulb is blurred has fallen below 10⁻⁶ of its height.
 const BELL_REACH: f64 = 5.3;
-/// Least roughness of a mirror in radians, as in mirror.wgsl.
+/// Least roughness in radians that is assumed for a glossy surface, as in mirror.wgsl.
 const LEAST_ROUGHNESS_RAD: f64 = 0.002;
 
-/// Distance by which rays begin and end off the surfaces that they leave and meet, so that these do not block them.
+/// Distance from the surfaces that they leave and meet at which rays begin and end, so that these surfaces do not block the rays.
 const OFF_M: f64 = 0.002;
 
-/// A cell of a glossy face, in which lamps may be seen reflected.
+/// A cell of a glossy face of the building, in which lamps may be seen reflected.
 #[derive(Clone, Debug)]
 pub(super) struct GlossyCell {
     pub(super) corners: [Point3<f64>; 4],
@@ -27,7 +27,7 @@ pub(super) struct GlossyCell {
 }
 
 impl GlossyCell {
-    /// Whether light can come straight from some place of a lamp to the glossy cell's middle or to one of its corners.
+    /// Whether light can come straight from some point of a lamp to the middle of the glossy cell or to one of its corners.
     pub(super) fn sees(&self, lamp: &Shape, occluders: &Occluders) -> bool {
         let middle = Point3::from(self.corners.iter().map(|corner| corner.coords).sum::<Vector3<f64>>() / 4.0);
         let places = match *lamp {
@@ -42,10 +42,11 @@ impl GlossyCell {
         on_cell.map(|at| at + self.normal * OFF_M).any(|at| places.iter().any(|place| !occluders.block(at, *place)))
     }
 
-    /// Whether a lamp may be seen reflected in the glossy cell from `eye`; sometimes it says so although the lamp cannot be seen.
+    /// Whether a lamp may be seen reflected in the glossy cell from `eye`. The answer is on the safe side: it may be true although the lamp
+    /// cannot be seen.
     pub(super) fn shows(&self, eye: Point3<f64>, lamp: &Shape) -> bool {
         let roughness = self.roughness_rad.max(LEAST_ROUGHNESS_RAD);
-        // What is seen reflected in the glossy cell lies straight behind it for an eye that is mirrored at the cell's plane.
+        // An eye that is mirrored at the glossy cell's plane sees straight through the cell what the real eye sees reflected in it.
         let mirrored_eye = eye - self.normal * (2.0 * self.normal.dot(&(eye - self.corners[0])));
         match *lamp {
             Shape::Rectangle { centre, half_u, half_v } => {
@@ -71,7 +72,7 @@ impl GlossyCell {
         if heights_m.iter().all(|height_m| *height_m <= 0.0) || sinking.iter().all(|share| *share <= 0.0) {
             return false;
         }
-        // Some rays run past the lamp's plane, so that no such figure exists.
+        // Some rays through the cell's corners run past the lamp's plane, so that they have no figure of intersections with it.
         if heights_m.iter().any(|height_m| *height_m <= 0.0) || sinking.iter().any(|share| *share <= 1e-3) {
             return true;
         }
@@ -124,9 +125,9 @@ mod tests {
 
     #[test]
     fn a_panel_is_seen_where_the_angles_of_incidence_and_reflection_are_equal() {
-        // Eye and panel are 1 m and 2 m above the floor and 3 m apart, so that the reflected ray meets the floor at a third of the
-        // distance. Half of the panel's side of 0.4 m covers 0.07 m of the floor, and its blur, 0.09 rad over the ray's 2.8 m, another 0.08
-        // m. Cells 1 m away show nothing.
+        // Eye and lamp panel are 1 m and 2 m above the floor and 3 m apart, so that the reflected ray meets the floor at a third of the distance.
+        // Half of the lamp's side of 0.4 m covers 0.07 m of the floor, and its blur, 0.09 rad over the ray's 2.8 m, another 0.08 m. Cells 1 m
+        // away show nothing.
         let eye = Point3::new(0.0, 0.0, 1.0);
         let (centre, halves) = (Point3::new(3.0, 0.0, 2.0), [vector![0.0, 0.2, 0.0], vector![0.2, 0.0, 0.0]]);
         let shows = |x_m: f64| {

@@ -36,12 +36,12 @@ pub(super) fn stored(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupL
     read(binding, wgpu::BufferBindingType::Storage { read_only: true }, has_dynamic_offset)
 }
 
-/// A uniform buffer whose values are the same for all sub-frames.
+/// A uniform buffer whose values are the same for all sub-frames (instants of the exposure).
 pub(super) fn constant(binding: u32) -> wgpu::BindGroupLayoutEntry {
     read(binding, wgpu::BufferBindingType::Uniform, false)
 }
 
-/// A uniform buffer with the values of a view, each sub-frame's at an offset of its own.
+/// A uniform buffer with the camera's values for one picture, those of each sub-frame (instant of the exposure) at an offset of their own.
 pub(super) fn uniform(binding: u32) -> wgpu::BindGroupLayoutEntry {
     read(binding, wgpu::BufferBindingType::Uniform, true)
 }

@@ -1,4 +1,4 @@
-//! A camera's motion during exposure and readout: sub-frames with their poses and twists.
+//! A camera's motion during exposure and readout: sub-frames (instants by which the exposure is approximated) with their poses and twists.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -7,32 +7,33 @@ use crate::{
     place::building::{Panel, UprightBody},
 };
 
-/// Length of blur that is drawn as one sub-frame; it is less than the width of the pixel's own filter together with the bilinear one.
+/// Length of motion blur, in pixels, for which one sub-frame (an instant of the exposure) is drawn; it is less than the width of the pixel's own
+/// filter together with the bilinear one.
 const BLUR_PER_SUB_FRAME_PX: f64 = 1.5;
-/// Greatest number of sub-frames into which an exposure is divided; a longer blur shows as that many separate images.
+/// Greatest number of sub-frames (instants) by which an exposure is approximated; a longer blur shows as that many separate images.
 pub(super) const MAX_SUB_FRAMES: usize = 64;
-/// Number of places along each side of the image at which the length of the blur is estimated, by the surfaces seen there.
+/// Number of pixels along each side of the image at which the length of the motion blur is estimated, by the surfaces seen there.
 const PLACES_PER_SIDE: u32 = 7;
-/// Distance that is assumed where no surface is seen.
+/// Distance that is assumed, to estimate motion blur, where no surface is seen.
 const FARTHEST_M: f64 = 100.0;
-/// Least distance of a surface from the lens that is considered.
+/// Least distance of a surface from the lens that is considered in the estimate of motion blur.
 const NEAREST_M: f64 = 0.05;
 
-/// One of the instants by which an exposure is approximated.
+/// A sub-frame: one of the instants by which an exposure is approximated.
 #[derive(Clone, Debug)]
 pub(super) struct SubFrame {
-    /// Camera pose of the sub-frame, while the middle row is exposed.
+    /// Camera pose of the sub-frame (an instant of the exposure), for the image's middle row.
     pub(super) world_from_camera: Isometry3<f64>,
-    /// Turn rate of the camera in the sub-frame, in the camera's frame.
+    /// Turn rate of the camera at the sub-frame (an instant of the exposure), in the camera's frame.
     pub(super) turn_rad_per_s: Vector3<f64>,
-    /// Velocity of the camera in the sub-frame, in the camera's frame.
+    /// Velocity of the camera at the sub-frame (an instant of the exposure), in the camera's frame.
     pub(super) drift_m_per_s: Vector3<f64>,
-    /// Time of the sub-frame, counted from the end of the last row's exposure, at which people are where they were placed; at most 0.
+    /// Time of the sub-frame, at most 0, counted from the end of the last row's exposure, the instant at which people are where they were placed.
     pub(super) before_end_s: f64,
 }
 
-/// Sub-frames of an exposure. `poses` are camera poses at equal steps of time, from the start of the first row's exposure to the end of the
-/// last row's.
+/// Sub-frames, the instants by which an exposure is approximated. `poses` are camera poses at equal steps of time, from the start of the first
+/// row's exposure to the end of the last row's.
 ///
 /// n instants that are evenly spread would keep only 1 − 1/n² of the variance of a steady blur; they are spread wider to make up for it.
 pub(super) fn sub_frames(
@@ -107,8 +108,8 @@ fn body_blur_px(lens: &Lens, camera: [&Isometry3<f64>; 2], body: &UprightBody, e
     [0.1, 0.5, 0.9].into_iter().filter_map(of_height).fold(0.0, f64::max)
 }
 
-/// Motion of a place over the image, in pixels, while place and camera move from their first to their last positions; `None` if the place
-/// gets behind the camera.
+/// Motion of a point over the image, in pixels, while point and camera move from their first to their last positions; `None` if the point gets
+/// behind the camera.
 fn way_px(lens: &Lens, camera: [&Isometry3<f64>; 2], places: [Point3<f64>; 2]) -> Option<f64> {
     let [first, last] = [0, 1].map(|instant: usize| {
         let seen = camera[instant].inverse_transform_point(&places[instant]);
@@ -118,7 +119,7 @@ fn way_px(lens: &Lens, camera: [&Isometry3<f64>; 2], places: [Point3<f64>; 2]) -
     Some((u1 - u0).hypot(v1 - v0))
 }
 
-/// The pose at a share of the time through poses at equal steps of time.
+/// The camera pose at a share of the time that is covered by poses at equal steps of time.
 fn interpolated(poses: &[Isometry3<f64>], share: f64) -> Option<Isometry3<f64>> {
     let last = poses.len().checked_sub(1)?;
     let place = share.clamp(0.0, 1.0) * last as f64;

@@ -19,12 +19,12 @@ use crate::{
     render::device::Graphics,
 };
 
-/// Number of places along each side of a lamp at which its visibility from a vertex of a person is tested; a few hundred vertices are lit
-/// each time.
+/// Number of points along each side of a lamp at which its visibility from a vertex of a person is tested; a few hundred vertices are lit each
+/// time.
 const LAMP_SAMPLES: usize = 2;
 
-/// Distance of shadow motion during a picture below which the shadow is kept where it is at the end: the distance between the light map's
-/// nodes on floors.
+/// Distance that the shadows of walking people must move during a picture for their motion to be drawn; with less, shadows stay where they are at
+/// the end. It is the distance between the light map's nodes on floors.
 const SHADOW_STEP_M: f64 = 0.05;
 
 /// Device layout of `Corner` of body.wgsl: a vertex of a person.
@@ -38,7 +38,8 @@ struct CornerOnDevice {
     velocity_m_per_s: [f32; 3],
 }
 
-/// People on the graphics device, one after the other; all have the same triangles.
+/// Graphics buffers with all people of the scene: the vertices and edges of one person follow those of another, and the list of triangles, the
+/// same for each person, is stored once.
 #[derive(Debug)]
 pub(super) struct People {
     pub(super) placed: Vec<UprightBody>,
@@ -73,8 +74,8 @@ impl People {
 }
 
 impl RoomWorld {
-    /// Sets where people are in the next pictures. Returns the nodes of the light map with their shadows, or `None` if they were there
-    /// already.
+    /// Sets where people are in the next pictures. Returns the illuminance at the nodes of the light map with the people's shadows, or `None` if
+    /// the people were there already.
     pub(in crate::render) fn place_bodies(
         &mut self,
         graphics: &Graphics,
@@ -105,8 +106,9 @@ impl RoomWorld {
         Some(nodes)
     }
 
-    /// Light bindings for several equal runs of an exposure's sub-frames, in which the shadows of walking people move. The list is empty if
-    /// the shadows move by less than the distance between nodes of the light map, so that one state of the light serves for all sub-frames.
+    /// Bindings with the light for several equal runs of an exposure's sub-frames (instants), because the shadows of walking people move from run
+    /// to run. The list is empty if the shadows move by less than the distance between nodes of the light map, so that one state of the light
+    /// serves for all sub-frames.
     pub(super) fn lit_while_they_walk(
         &self,
         graphics: &Graphics,
@@ -170,7 +172,7 @@ fn surrounding(body: &UprightBody) -> Vec<Point3<f64>> {
     shares.flat_map(|share| [corner(body.middle_m, share), corner(before.middle_m, share)]).collect()
 }
 
-/// Index of the run that a sub-frame of an exposure belongs to, for a given number of equal runs.
+/// Index of the run that a sub-frame (an instant of the exposure) belongs to, if the sub-frames are divided into the given number of equal runs.
 pub(super) fn run_of(index: usize, frames: usize, runs: usize) -> usize {
     index * runs / frames
 }

@@ -1,4 +1,4 @@
-//! Pipelines of the room pass, each specialised for what it draws and for the camera that it draws for; they are made when first needed.
+//! Graphics pipelines of the room pass, each specialised for what it draws and for the camera that it draws for; they are made when first needed.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +35,7 @@ const MEAN_SHADER: &str = include_str!("mean.wgsl");
 /// Format of the depth buffer. Depth is near/z, so that it is cleared to 0, which is infinitely far.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Properties of a surface's material for which its pipeline is made.
+/// Properties of a surface's material for which the graphics pipeline that draws the surface is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Kind {
     texture: Texture,
@@ -53,13 +53,13 @@ impl Kind {
         self.gloss
     }
 
-    /// The same kind of surface, for places where no lamp is seen reflected in it.
+    /// This kind of surface as it is drawn where no lamp is seen reflected in it.
     pub(super) fn without_glints(self) -> Kind {
         Kind { glints: false, ..self }
     }
 }
 
-/// Properties of a camera for which its pipelines are made.
+/// Properties of a camera for which its graphics pipelines are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Use {
     rolling: bool,
@@ -83,7 +83,7 @@ impl Use {
     }
 }
 
-/// The kind of thing that a pipeline of the room pass draws.
+/// The kind of thing that a graphics pipeline of the room pass draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Drawn {
     Surface(Kind),
@@ -100,7 +100,7 @@ pub(super) struct Pipelines {
     pub(super) world_layout: wgpu::BindGroupLayout,
     pub(super) stepped_layout: wgpu::BindGroupLayout,
     pub(super) mean_layout: wgpu::BindGroupLayout,
-    /// Pipeline that takes the mean of the images of an exposure's sub-frames.
+    /// Graphics pipeline that takes the mean of the images drawn for the instants of an exposure (its sub-frames).
     pub(super) mean: wgpu::RenderPipeline,
     /// Texture sampler that interpolates linearly between texels.
     pub(super) linear: wgpu::Sampler,
@@ -152,7 +152,7 @@ impl Pipelines {
         }
     }
 
-    /// Makes the pipelines that a view of these kinds of surfaces needs and that do not exist yet.
+    /// Makes the graphics pipelines that a picture with these kinds of surfaces needs and that do not exist yet.
     pub(super) fn prepare(&mut self, device: &wgpu::Device, how: &Use, kinds: impl Iterator<Item = Kind>) {
         let things = [Drawn::Lamps, Drawn::Bodies, Drawn::Discs, Drawn::Edges, Drawn::Strips];
         for drawn in kinds.map(Drawn::Surface).chain(things) {

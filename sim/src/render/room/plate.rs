@@ -1,4 +1,4 @@
-//! Device memory of one view of a room: the camera's values, and an image (plate) for each sub-frame of the exposure.
+//! Device memory for one picture of a room: the camera's values, and an image (plate) for each sub-frame (instant of the exposure).
 
 use bytemuck::{Pod, Zeroable};
 
@@ -14,37 +14,39 @@ use crate::render::{
     target::LUMINANCE_FORMAT,
 };
 
-/// Bytes from one sub-frame's values to those of the next in the view buffer; every adapter accepts offsets that are multiples of it.
+/// Number of bytes from the values of one sub-frame (an instant of the exposure) to those of the next in the buffer of the camera's values; every
+/// adapter accepts offsets that are multiples of it.
 const VIEW_STRIDE: u64 = 512;
 
-/// Offset in bytes at which the values of sub-frame `index` begin in the view buffer.
+/// Offset in bytes at which the camera's values for sub-frame `index` begin in their buffer.
 pub(super) fn view_offset(index: usize) -> u32 {
     (index as u64 * VIEW_STRIDE) as u32
 }
 
-/// Buffers and bindings of one view of a room, kept as long as its lens stays the same.
+/// Buffers and bindings for one picture of a room, kept as long as its lens stays the same.
 pub(in crate::render) struct RoomSlot {
-    /// Images (plates) with smooth edges: a layer for each sub-frame of an exposure, as many as have ever been needed.
+    /// Texture with the images (plates) on which edges have been made smooth: a layer for each sub-frame (instant of the exposure), as many as
+    /// have ever been needed.
     plates: wgpu::Texture,
     plate_views: Vec<wgpu::TextureView>,
     pub(super) depth: wgpu::TextureView,
     pub(super) view_bindings: wgpu::BindGroup,
-    /// Bindings for the lens's own plate, a pinhole image on which edges are drawn in steps.
+    /// Bindings for the lens's own plate, the pinhole image on which the edges of faces are still jagged.
     pub(super) stepped_bindings: wgpu::BindGroup,
-    /// Bindings with which the lens reads the image of the exposure if it has only one sub-frame.
+    /// Bindings with which the lens pass reads the image of the exposure if it has only one sub-frame (instant).
     single_bindings: wgpu::BindGroup,
-    /// Bindings for the images of all sub-frames, whose mean is taken.
+    /// Bindings with which the images of all sub-frames (instants of the exposure) are read to take their mean.
     pub(super) mean_bindings: wgpu::BindGroup,
     n_plates: usize,
     views: wgpu::Buffer,
     counted: wgpu::Buffer,
     /// Indices of the vertices of those faces of the building that are drawn.
     pub(super) chosen: wgpu::Buffer,
-    /// Strips: panels in view that are hardly wider than a pixel.
+    /// Strips: flat faces in the picture that are hardly wider than a pixel.
     pub(super) strips: wgpu::Buffer,
 }
 
-/// Device layout of `View` of view.wgsl: the camera's values in one sub-frame of the exposure.
+/// Device layout of `View` of view.wgsl: the camera's values in one sub-frame (an instant of the exposure).
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct ViewOnDevice {
@@ -71,7 +73,7 @@ pub(super) struct ViewOnDevice {
     padding: [u32; 3],
 }
 
-/// Device layout of `Plates` of mean.wgsl: the number of images to average and the share of each.
+/// Device layout of `Plates` of mean.wgsl: the number of images of which the mean is taken, and the share of each.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct PlatesOnDevice {
@@ -80,7 +82,8 @@ struct PlatesOnDevice {
 }
 
 impl ViewOnDevice {
-    /// The camera's values in a sub-frame of the exposure; `turned_up` is a factor on all lamps of the world.
+    /// The camera's values in a sub-frame (an instant of the exposure). `turned_up` is a factor on all lamps: the view's illuminance over that
+    /// which the lamps give.
     pub(super) fn new(seen_by: &LensSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
         let lens = &seen_by.lens;
         let (camera_from_world, turn, drift) = super::twist_rows(frame);
@@ -162,7 +165,7 @@ impl RoomSlot {
         }
     }
 
-    /// Provides images (plates) for the given number of sub-frames of an exposure.
+    /// Makes room for one image (plate) for each of the given number of sub-frames (instants) of an exposure.
     pub(super) fn reserve(
         &mut self,
         graphics: &Graphics,
@@ -181,19 +184,19 @@ impl RoomSlot {
         graphics.queue.write_buffer(&self.counted, 0, bytemuck::bytes_of(&counted));
     }
 
-    /// Bindings with which the lens reads the image of the only sub-frame; `None` if there are several, whose mean is drawn onto the lens's
-    /// own plate.
+    /// Bindings with which the lens pass reads the image of an exposure's only sub-frame; `None` if there are several sub-frames, whose mean is
+    /// drawn onto the lens's own plate.
     pub(in crate::render) fn single_plate(&self) -> Option<&wgpu::BindGroup> {
         (self.n_plates == 1).then_some(&self.single_bindings)
     }
 
-    /// Destination to which the image of a sub-frame is copied.
+    /// Destination to which the image of a sub-frame (an instant of the exposure) is copied.
     pub(super) fn plate(&self, index: usize) -> wgpu::TexelCopyTextureInfo<'_> {
         let origin = wgpu::Origin3d { x: 0, y: 0, z: index as u32 };
         wgpu::TexelCopyTextureInfo { origin, ..self.plates.as_image_copy() }
     }
 
-    /// Texture view of the image of a sub-frame.
+    /// Texture view of the image of a sub-frame, an instant of the exposure.
     pub(super) fn plate_view(&self, index: usize) -> &wgpu::TextureView {
         &self.plate_views[index]
     }
@@ -203,12 +206,13 @@ impl RoomSlot {
         fill(graphics, &mut self.chosen, ("chosen", wgpu::BufferUsages::INDEX), indices);
     }
 
-    /// Writes which panels are drawn as strips; the buffer is replaced by a larger one if necessary.
+    /// Writes the list of flat faces that are drawn as strips, because they are hardly wider than a pixel; the buffer is replaced by a larger one
+    /// if necessary.
     pub(super) fn narrow(&mut self, graphics: &Graphics, strips: &[StripOnDevice]) {
         fill(graphics, &mut self.strips, ("strips", wgpu::BufferUsages::VERTEX), strips);
     }
 
-    /// Writes the camera's values in one sub-frame of the exposure.
+    /// Writes the camera's values in one sub-frame, an instant of the exposure.
     pub(super) fn write_view(&self, graphics: &Graphics, index: usize, view: &ViewOnDevice) {
         graphics.queue.write_buffer(&self.views, u64::from(view_offset(index)), bytemuck::bytes_of(view));
     }
@@ -229,7 +233,7 @@ fn fill<T: Pod>(
     }
 }
 
-/// Bindings for the images of all sub-frames of an exposure, of which the mean is taken.
+/// Bindings for the images of all sub-frames (instants) of an exposure, from which their mean is taken.
 fn bind_mean(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -250,7 +254,7 @@ fn bind_mean(
     })
 }
 
-/// A texture with the images (plates) of all sub-frames in layers, and a view of each layer.
+/// A texture whose layers are the images (plates) of all sub-frames, and a texture view of each layer.
 fn plates(device: &wgpu::Device, size_px: [u32; 2], count: u32) -> (wgpu::Texture, Vec<wgpu::TextureView>) {
     let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
     let plates = attachment(device, size_px, count, LUMINANCE_FORMAT, usage);

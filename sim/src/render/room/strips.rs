@@ -1,5 +1,5 @@
-//! Strips: panels of things that are hardly wider than a pixel. With one sample a pixel they would look like dashed lines, so that each
-//! pixel is covered by the share of the strip in it instead.
+//! Strips: flat faces of things that are hardly wider than a pixel. With one sample a pixel they would look like dashed lines, so that each pixel
+//! is covered by the share of the strip in it instead.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Isometry3, Point3, Vector2};
@@ -10,24 +10,24 @@ use crate::{
     place::building::{Panel, Part},
 };
 
-/// Width in pixels below which panels are drawn as strips. From two pixels on, each of the panel's two edges has pixels of its own.
+/// Width in pixels below which flat faces are drawn as strips. From two pixels on, each of a face's two edges has pixels of its own.
 const NARROWEST_PX: f64 = 2.0;
-/// Distance of the near plane from the camera, as in view.wgsl.
+/// Distance from the camera up to which nothing is drawn (the near plane), as in view.wgsl.
 const NEAR_M: f64 = 0.02;
 
-/// Device layout of `Strip` of strip.wgsl: a panel hardly wider than a pixel, or a part of its length.
+/// Device layout of `Strip` of strip.wgsl: a flat face hardly wider than a pixel, or a part of its length.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct StripOnDevice {
     surface: u32,
-    /// 0 if the first side of the strip's panel is the long one, 1 if the second side is.
+    /// 0 if the first side of the face that is drawn as a strip is the long one, 1 if the second side is.
     long_side: u32,
-    /// The part of the panel that the strip covers, as shares of its long side from 0 to 1.
+    /// The part of the flat face that the strip covers, as shares of the face's long side from 0 to 1.
     from_to: [f32; 2],
 }
 
-/// The long side of a panel that is too narrow across it to be drawn as a face, as a pinhole camera sees it: 0 or 1. It is `None` for
-/// floors, walls and ceilings, and for panels that are wide enough.
+/// Index, 0 or 1, of the long side of a flat face (panel) that a pinhole camera sees too narrow to draw it as a face. It is `None` for floors,
+/// walls and ceilings, and for faces that are wide enough.
 pub(super) fn long_side(panel: &Panel, world_from_camera: &Isometry3<f64>, lens: &Lens) -> Option<usize> {
     if panel.part != Part::Thing {
         return None;
@@ -43,8 +43,8 @@ pub(super) fn long_side(panel: &Panel, world_from_camera: &Isometry3<f64>, lens:
     (area_px < NARROWEST_PX * longest_px[long]).then_some(long)
 }
 
-/// The strips of a panel that faces one of the camera positions: one for the whole panel, or for a rolling shutter one for each length into
-/// which faces are cut.
+/// The strips for a narrow flat face; none if it faces none of the camera positions. There is one strip for the whole face, or for a rolling
+/// shutter one for each length into which faces are cut.
 pub(super) fn strips(
     (index, panel): (usize, &Panel),
     long: usize,
@@ -78,8 +78,8 @@ mod tests {
 
     #[test]
     fn a_panel_three_centimetres_deep_is_a_strip_where_it_shows_less_than_two_pixels() {
-        // Seen from the side at 4 m, the panel's far border lies 0.03 m deeper. At 0.2 m aside it shows 417 px·0.2·0.03/4² = 0.16 px, at 4
-        // m aside 3.1 px.
+        // Seen from the side at 4 m, the face's far border lies 0.03 m deeper. At 0.2 m aside it shows 417 px·0.2·0.03/4² = 0.16 px, at 4 m aside
+        // 3.1 px.
         let panel = |aside_m: f64| Panel {
             corner: Point3::new(aside_m, -1.0, 4.0),
             along: vector![0.0, 0.0, 0.03],
@@ -105,7 +105,7 @@ mod tests {
             part: Part::Thing,
             room: 0,
         };
-        // The panel's normal, along × up, points to −x.
+        // The normal of the flat face, along × up, points to −x.
         let count = |x_m: f64, rolling: bool| strips((7, &panel), 1, &[Point3::new(x_m, 0.0, 0.0)], rolling).count();
         assert_eq!([count(0.0, false), count(0.0, true), count(1.0, false), count(1.0, true)], [1, 20, 0, 0]);
         let ends: Vec<_> = strips((7, &panel), 1, &[Point3::origin()], true).map(|strip| strip.from_to).collect();

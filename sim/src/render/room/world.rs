@@ -24,7 +24,7 @@ pub(in crate::render) struct RoomWorld {
     pub(super) building: Building,
     pub(super) lighting: Lighting,
     pub(super) map: LightMap,
-    /// Light maps in the visible and in the infrared band, with the shadows of people.
+    /// Textures with the light maps (illuminance over all faces) in the visible and in the infrared band, with the shadows of people.
     pub(super) light_maps: [wgpu::Texture; 2],
     pub(super) people: People,
     pub(super) nodes: wgpu::Buffer,
@@ -37,14 +37,14 @@ pub(in crate::render) struct RoomWorld {
     /// Edges of the building's faces for a global shutter and for a rolling one.
     pub(super) edges: [wgpu::Buffer; 2],
     pub(super) edge_lists: [Edges; 2],
-    /// Buffers of the building for the visible and for the infrared band.
+    /// Buffers with the building's panels, lamps and tiles for the visible and for the infrared band.
     stored: [Stored; 2],
-    /// Bindings of the building for the visible and for the infrared band.
+    /// Bindings for drawing the building in the visible and in the infrared band.
     bindings: [wgpu::BindGroup; 2],
     discs: [wgpu::Buffer; 2],
 }
 
-/// Buffers of one band that faces read in addition to the light map.
+/// Buffers of one band that faces read in addition to the light map: panels, lamps, the tile grid and the albedo of the tiles.
 #[derive(Debug)]
 struct Stored {
     surfaces: wgpu::Buffer,
@@ -91,7 +91,7 @@ impl RoomWorld {
         &self.bindings[band]
     }
 
-    /// Bindings for the same building with other light at the nodes of the light map.
+    /// Bindings for this building under other light, given by its values at the nodes of the light map.
     pub(super) fn lit_by(
         &self,
         graphics: &Graphics,
@@ -108,12 +108,12 @@ impl RoomWorld {
         &self.discs[band]
     }
 
-    /// Light at the nodes of the light map without the shadows of people.
+    /// Illuminance at the nodes (points) of the light map, without the shadows of people.
     pub(in crate::render) fn still_nodes(&self) -> &[[f32; 2]] {
         &self.map.nodes
     }
 
-    /// Distribution of light over the floor of the robot's room, from the given nodes of the light map.
+    /// Distribution of light over the floor of the robot's room, from the given illuminance at the nodes (points) of the light map.
     pub(in crate::render) fn floor_field(&self, nodes: &[[f32; 2]]) -> Option<FloorField> {
         FloorField::new(&self.building, &self.map, nodes)
     }
@@ -156,7 +156,7 @@ impl Stored {
     }
 }
 
-/// A texture for one band of the light map.
+/// A texture for the light map in one band (visible or infrared).
 fn light_texture(graphics: &Graphics, map: &LightMap) -> wgpu::Texture {
     let [width, height] = map.size.map(|count| count as u32);
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
@@ -172,7 +172,7 @@ fn light_texture(graphics: &Graphics, map: &LightMap) -> wgpu::Texture {
     })
 }
 
-/// Writes one band of all nodes of the light map into a texture.
+/// Writes one band (visible or infrared) of the illuminance at all nodes of the light map into a texture.
 pub(super) fn write_light(graphics: &Graphics, texture: &wgpu::Texture, nodes: &[[f32; 2]], band: usize) {
     let nodes: Vec<f32> = nodes.iter().map(|bands| bands[band]).collect();
     graphics.queue.write_texture(

@@ -28,16 +28,17 @@ pub struct CameraSensor {
     camera: FittedCamera,
     timing: CameraTiming,
     auto_exposure: AutoExposure,
-    /// Longest exposure while the robot turns.
+    /// Longest exposure of the camera while the robot turns.
     turning_exposure_s: Option<f64>,
-    /// Whether the robot turned at the earliest time at which the next exposure may begin.
+    /// Whether the robot turned at the earliest time at which the next exposure may begin, so that this exposure is limited to
+    /// `turning_exposure_s`.
     turns: bool,
     lights: Vec<Switch>,
     clock: Repeated,
-    /// The bound on the camera's stamps; `None` where the localizer does not rely on it.
+    /// The declared bound on the errors of the camera's stamps, to be checked; `None` where the localizer does not rely on it.
     stamp_bound: Option<Assumption>,
     n_images: u32,
-    /// Truth at every physics step that the exposure in progress may need.
+    /// True states of the robot at all physics steps that the exposure in progress may need.
     recent: VecDeque<Truth>,
 }
 
@@ -50,7 +51,7 @@ struct Switch {
 
 /// An exposure that has just ended and whose image has not been drawn.
 pub(super) struct Exposed {
-    /// The view that is to be drawn.
+    /// The picture (view) that is to be drawn.
     pub(super) view: View,
     middle: Truth,
     ended_s: f64,
@@ -128,7 +129,7 @@ impl CameraSensor {
         Observation { checks, ..Observation::new(reading, exposed.middle) }
     }
 
-    /// Truth at a time between two physics steps, interpolated linearly.
+    /// True state of the robot at a time between two physics steps, interpolated linearly.
     fn truth_at(&self, time_s: f64) -> Truth {
         let after = self.recent.partition_point(|truth| truth.time_s < time_s).clamp(1, self.recent.len().max(2) - 1);
         match (self.recent.get(after - 1), self.recent.get(after)) {
@@ -146,7 +147,7 @@ impl CameraSensor {
     }
 }
 
-/// The bound on a camera's stamps; `None` where the scene's localizer does not rely on it.
+/// The declared bound on the errors of a camera's stamps, to be checked; `None` where the scene's localizer does not rely on it.
 fn stamp_bound(name: Camera, scene: &Scene) -> Option<Assumption> {
     let robot = &scene.robot;
     let (bound, is_relied_on) = match name {
@@ -157,14 +158,14 @@ fn stamp_bound(name: Camera, scene: &Scene) -> Option<Assumption> {
     is_relied_on.then_some(bound)
 }
 
-/// Instants at equal steps through an exposure; the renderer chooses how many sub-frames to make of them.
+/// Instants at equal steps through an exposure; the renderer decides by how many instants (sub-frames) of its own it draws the exposure.
 fn instants(from_s: f64, to_s: f64) -> impl Iterator<Item = f64> {
     // The path of a wheeled robot during one exposure bends so little that five poses describe it.
     const N_POSES: usize = 5;
     (0..N_POSES).map(move |index| from_s + (to_s - from_s) * index as f64 / (N_POSES - 1) as f64)
 }
 
-/// The lamps over time: as the scene states them, then as its events switch them.
+/// The illuminance by the lamps over time: at first the given one, then as the scene's events switch it.
 fn switches(scene: &Scene, at_first_lux: f64) -> Vec<Switch> {
     let mut switches = vec![Switch { at_s: f64::NEG_INFINITY, illuminance_at_floor_lux: at_first_lux }];
     switches.extend(scene.events.iter().filter_map(|event| match event {

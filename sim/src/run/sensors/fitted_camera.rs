@@ -1,4 +1,4 @@
-//! A camera as it is truly mounted: its pose while the robot moves, and the view that it takes.
+//! A camera as it is truly mounted: its pose while the robot moves, and the description of the picture that it takes.
 
 use localizer::reading::Camera;
 use nalgebra::Isometry3;
@@ -65,7 +65,7 @@ impl FittedCamera {
         self.lens.readout_s()
     }
 
-    /// The view of the camera's picture number `image`, taken while the robot goes through the states `truths` at equal steps of time.
+    /// Description of the camera's picture number `image`, taken while the robot goes through the states `truths` at equal steps of time.
     pub fn view(&self, truths: &[Truth], exposure: Exposure, illuminance_at_floor_lux: f64, image: u32) -> View {
         View {
             shows: if self.name == Camera::Floor { Shows::Floor } else { Shows::Room },

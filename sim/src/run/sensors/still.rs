@@ -27,7 +27,8 @@ pub struct Still {
     pub exposure: Exposure,
 }
 
-/// The first views of cameras on a robot that stands still, exposed for office light.
+/// The first views (pictures to take) of cameras on a robot that stands still. They are exposed for office light, before automatic exposure
+/// settles.
 pub fn views_at(
     scene: &Scene,
     drawn: &Drawn,

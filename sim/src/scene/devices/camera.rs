@@ -34,7 +34,7 @@ pub enum Band {
     Infrared,
 }
 
-/// Properties of the lens besides its projection, and the time in which the sensor is read out.
+/// Distortion, vignetting and defocus of the lens, and the time in which the rows of the sensor are read out.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LensKeys {
@@ -53,24 +53,26 @@ pub struct LensKeys {
     pub row_time_s: f64,
 }
 
-/// Tolerances of the camera's calibration: how far its mount and lens may be from the stated values. Each seed draws errors within them, distributed
-/// as the robot's key `errors` states.
+/// Tolerances of the camera's calibration: how far its mount and lens may be from the stated values. Each seed draws errors within them,
+/// distributed as the robot's key `errors` states.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Calibration {
     /// Greatest error of the optical centre's position, along each axis of the robot frame.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// Greatest error of the camera's attitude: as much by a tilt about any level axis, and as much again by a turn about the vertical.
+    /// Greatest error of the camera's attitude. The camera may be tilted by this about any level axis and, at the same time, turned by this about the
+    /// vertical.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub angle_tolerance_deg: f64,
-    /// Greatest error of both focal lengths, as a share. Both have the same error.
+    /// Greatest relative error of the focal lengths along u and v, which is the same for both.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub focal_tolerance: f64,
     /// Greatest error of the principal point, along u and along v.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub principal_point_tolerance_px: f64,
-    /// Greatest error, anywhere in the image, of a pixel's place by the stated distortion coefficients. The true k1 is drawn accordingly.
+    /// Greatest error, anywhere in the image, of the position at which the stated distortion coefficients put a pixel. The true coefficient k1 is
+    /// drawn at random within this.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub distortion_tolerance_px: f64,
 }
@@ -82,16 +84,16 @@ pub struct CameraTiming {
     pub period_s: f64,
     /// Time from the middle of an exposure to the delivery of its image.
     pub latency_s: f64,
-    /// Greatest difference of an image's actual latency from the nominal one.
+    /// Greatest difference of an image's actual latency from `latency_s`.
     pub latency_tolerance_s: f64,
     /// Greatest error of an image's stamp against the true middle of the exposure.
     pub stamp_tolerance_s: f64,
-    /// Longest time from the start of the first row's exposure to the end of the last row's.
+    /// Longest time in which an image is exposed, from the start of the first row's exposure to the end of the last row's.
     pub longest_s: f64,
 }
 
 impl CameraTiming {
-    /// Latest time after the start of the run at which the first image has arrived.
+    /// Latest time, counted from the start of the run, at which the camera's first image is delivered.
     pub fn first_arrival_s(&self) -> f64 {
         self.longest_s + self.latency_s + self.latency_tolerance_s
     }

@@ -57,14 +57,14 @@ pub struct CeilingCamera {
     /// the axis.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub ring_intensity_w_per_sr: f64,
-    /// Properties of the lens besides its projection, and the time in which the sensor is read out.
+    /// Distortion, vignetting and defocus of the lens, and the time in which the rows of the sensor are read out.
     pub lens: LensKeys,
     /// Image sensor of the camera, which turns light into grey levels.
     pub sensor: Sensor,
     /// Tolerances of the camera's calibration: how far its mount and lens may be from the stated values. Each seed draws errors within them,
     /// distributed as the robot's key `errors` states.
     pub calibration: Calibration,
-    /// Greatest number of markers in one image that are assumed to differ from the map.
+    /// Greatest number of markers in one image that the localizer assumes to differ from what its map says of them.
     #[schemars(range(min = 0, max = 4))]
     pub q_items: usize,
 }

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Delivery {
-    /// Bound `base.stamp`: greatest error of the clock of the board that reads wheels, gyroscope and flow sensor. All stamps of a run are off by the
-    /// same error, drawn at random. The board sends each reading this tolerance after it was taken.
+    /// Bound `base.stamp`: greatest error of the clock of the board that reads wheels, gyroscope and flow sensor. All its stamps in a run are off by
+    /// the same error, drawn at random. It sends each reading later than it was taken, by this tolerance, so that none arrives before its stamp.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
     /// Greatest delay of a reading after its stamp, drawn at random for each, so that one reading may overtake another.

@@ -54,14 +54,15 @@ pub struct FloorCamera {
     /// Greatest error of the floor image's pixels per metre, as a share of their nominal number; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub scale_tolerance: f64,
-    /// Greatest error, anywhere in the image, of a pixel's place by the stated distortion coefficients. The true k1 is drawn accordingly.
+    /// Greatest error, anywhere in the image, of the position at which the stated distortion coefficients put a pixel. The true coefficient k1 is
+    /// drawn at random within this.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub distortion_tolerance_px: f64,
-    /// Properties of the lens besides its projection, and the time in which the sensor is read out.
+    /// Distortion, vignetting and defocus of the lens, and the time in which the rows of the sensor are read out.
     pub lens: LensKeys,
     /// Image sensor of the camera, which turns light into grey levels.
     pub sensor: Sensor,
-    /// Greatest number of wrong lines that is assumed in one floor image.
+    /// Greatest number of lines seen in one floor image that the localizer assumes not to be joints of the tile grid.
     #[schemars(range(min = 0, max = 20))]
     pub q_items: usize,
 }

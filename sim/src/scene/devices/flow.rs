@@ -10,7 +10,7 @@ use super::Careful;
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Flow {
-    /// Optics of the flow sensor, which decide how its counts change with the height above the floor.
+    /// Optics of the flow sensor, which decide how its counts per metre change with the height above the floor.
     pub optics: FlowOptics,
     /// Counts per metre of travel at the height at which the flow sensor is mounted.
     #[schemars(range(min = 100.0, max = 1000000.0))]
@@ -30,34 +30,35 @@ pub struct Flow {
     /// Greatest error of the flow sensor's yaw on its mount; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_tolerance_deg: f64,
-    /// Bound `flow.calibration`: greatest error of the flow sensor's counts per metre at its mounted height, as a share of their nominal number. It
-    /// is drawn at random and stays the same all the run.
+    /// Bound `flow.calibration`: greatest relative error of the flow sensor's counts per metre at its mounted height. The error is drawn at random
+    /// and stays the same all the run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub calibration_tolerance: f64,
-    /// Greatest declared error of the flow sensor's counts per metre at any height, as a share of their nominal number. Bound `flow.scale`: what
-    /// `calibration_tolerance` leaves of this error may vary from period to period, as the height does.
+    /// Greatest declared relative error of the flow sensor's counts per metre, from all causes and at any height. Bound `flow.scale`: what is left of
+    /// it after `calibration_tolerance` is subtracted. By this much the counts per metre may vary from period to period, as the height does.
     #[schemars(range(min = 0.0, max = 0.9))]
     pub scale_tolerance: f64,
-    /// Greatest error of the flow sensor's counts per metre on a surface, as a share; drawn at random for every region of the floor and for the floor
-    /// around them. It is part of what `calibration_tolerance` leaves of `scale_tolerance`.
+    /// Greatest relative error of the flow sensor's counts per metre that a surface causes; drawn at random for every region of the floor and for the
+    /// floor around them. Together with `noise_tolerance` it may be at most `scale_tolerance` minus `calibration_tolerance`.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub surface_tolerance: f64,
-    /// Greatest further error of the flow sensor's counts per metre in one period, as a share; drawn at random for each period. It is also part of
-    /// what `calibration_tolerance` leaves of `scale_tolerance`.
+    /// Greatest further relative error of the flow sensor's counts per metre in one period; drawn at random for each period. Together with
+    /// `surface_tolerance` it may be at most `scale_tolerance` minus `calibration_tolerance`.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub noise_tolerance: f64,
-    /// Bound `flow.back_and_forth`: greatest length by which the distance travelled to and fro within one period exceeds what the counts say.
+    /// Bound `flow.back_and_forth`: greatest difference, in one period and along each axis of the flow sensor, between the length of the path
+    /// travelled to and fro and the net travel, which is all that the counts show.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub back_and_forth_m: f64,
     /// Greatest speed over the floor that the flow sensor can follow.
     #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
     pub greatest_speed_m_per_s: f64,
-    /// Greatest difference between the flow sensor's height above the floor and its mounted height at which it still sees the floor.
+    /// Greatest difference between the flow sensor's actual and mounted height above the floor at which it still sees the floor.
     #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
     pub focus_range_m: f64,
 }
 
-/// Optics of the flow sensor, which decide how its counts change with the height above the floor.
+/// Optics of the flow sensor, which decide how its counts per metre change with the height above the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FlowOptics {
@@ -69,19 +70,20 @@ pub enum FlowOptics {
 }
 
 impl Flow {
-    /// Greatest error of the flow sensor's counts per metre at the mounted height, as a share of their nominal number.
+    /// Greatest relative error of the flow sensor's counts per metre at its mounted height.
     pub fn calibration_share(&self) -> f64 {
         self.calibration_tolerance.min(self.scale_tolerance)
     }
 
-    /// Greatest departure of the flow sensor's counts per metre from those at the mounted height, as a share of their nominal number.
+    /// Greatest change of the flow sensor's counts per metre from those at its mounted height, as a share of their nominal number.
     pub fn varying_share(&self) -> f64 {
         self.scale_tolerance - self.calibration_share()
     }
 }
 
 impl FlowOptics {
-    /// Share of counts gained per metre by which the floor comes closer. From the abstract of Yi et al. 2015, as paper 2 cites it.
+    /// Share by which the flow sensor's counts per metre grow for each metre by which the floor comes closer. From the abstract of Yi et al. 2015, as
+    /// paper 2 cites it.
     pub fn share_per_m(self) -> f64 {
         match self {
             FlowOptics::Afocal => 1.0,

@@ -53,12 +53,12 @@ pub struct ForwardCamera {
     /// cosine of the angle off the axis. The camera sees the ring's light only with `band = "infrared"`.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub ring_intensity_w_per_sr: f64,
-    /// Properties of the lens besides its projection, and the time in which the sensor is read out.
+    /// Distortion, vignetting and defocus of the lens, and the time in which the rows of the sensor are read out.
     pub lens: LensKeys,
     /// Image sensor of the camera, which turns light into grey levels.
     pub sensor: Sensor,
-    /// Longest exposure while the gyroscope reads a turn faster than 0.1 rad/s, as turns blur the image. Unless stated, turns do not shorten
-    /// exposures.
+    /// Longest exposure of an image that is taken while the gyroscope reads a turn faster than 0.1 rad/s, as turns blur the image. Unless stated,
+    /// turns do not shorten exposures.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.00001, max = 1.0))]
     pub turning_exposure_s: Option<f64>,

@@ -6,20 +6,21 @@ use serde_json::json;
 
 use super::Careful;
 
-/// A receiver of satellite navigation with corrections. It reports the position of its antenna in the world frame, and the quality of that position.
+/// A receiver of satellite navigation that uses correction data. It reports the position of its antenna in the world frame, and the quality of that
+/// position.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gnss {
     /// Time between two positions.
     #[schemars(range(min = 0.01, max = 10.0))]
     pub period_s: f64,
-    /// Time from the measurement of a position to its delivery.
+    /// Time from the measurement of the antenna's position to its delivery.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Greatest difference of a position's actual latency from `latency_s`, drawn at random for each position.
+    /// Greatest difference of a reported position's actual latency from `latency_s`, drawn at random for each position.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// Bound `gnss.stamp`: greatest error of a position's stamp against the true time, drawn at random for each position.
+    /// Bound `gnss.stamp`: greatest error of a reported position's stamp against the true time, drawn at random for each position.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
     /// Distance of the antenna forward of the wheel axle, in the robot frame: its lever arm.
@@ -34,46 +35,47 @@ pub struct Gnss {
     /// Bound `gnss.antenna`: greatest error of the antenna's mounted position, forward and left each; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// Bound `gnss.fixed`: greatest error, in either coordinate, of a position with resolved ambiguities.
+    /// Bound `gnss.fixed`: greatest error, in x and y each, of a reported position whose carrier phase ambiguities are resolved.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub fixed_tolerance_m: f64,
-    /// Bound `gnss.floating`: greatest error, in either coordinate, of a position without resolved ambiguities.
+    /// Bound `gnss.floating`: greatest error, in x and y each, of a reported position whose carrier phase ambiguities are not resolved.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub floating_tolerance_m: f64,
-    /// Times at which positions are worse than fixed, or missing.
+    /// Periods in which satellite positions have less than the quality `fixed` (carrier phase ambiguities resolved), or are missing.
     pub outages: Vec<Outage>,
-    /// Places at which positions are worse than fixed or missing, as under trees, beside walls or in a barn. Of all outages and shadows that hold at
-    /// a time and a place, the worst counts.
+    /// Areas in which satellite positions have less than the quality `fixed` or are missing, as under trees, beside walls or in a barn. Where several
+    /// outages and shadows apply at once, the worst quality counts.
     pub shadows: Vec<Shadow>,
 }
 
-/// A period in which positions are worse than fixed, or missing.
+/// A period in which satellite positions have less than the quality `fixed` (carrier phase ambiguities resolved), or are missing.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outage {
-    /// Time at which the outage of positions begins.
+    /// Time at which the period with worse or missing satellite positions begins.
     #[schemars(range(min = 0.0, max = 36000.0))]
     pub at_s: f64,
-    /// Duration of the outage of positions.
+    /// Duration of the period with worse or missing satellite positions.
     #[schemars(range(min = 0.02, max = 36000.0))]
     pub lasts_s: f64,
-    /// Quality of the positions that remain.
+    /// Quality of the satellite positions that are reported during the outage.
     #[serde(default)]
     pub leaves: Reception,
 }
 
-/// A rectangle along the world's axes in which positions are worse than fixed, or missing.
+/// A rectangle along the world's axes in which satellite positions have less than the quality `fixed` (carrier phase ambiguities resolved), or are
+/// missing.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shadow {
-    /// World x of the middle of the rectangle with worse positions.
+    /// World x of the middle of the rectangle in which satellite positions are worse or missing.
     pub x_m: f64,
-    /// World y of the middle of the rectangle with worse positions.
+    /// World y of the middle of the rectangle in which satellite positions are worse or missing.
     pub y_m: f64,
-    /// Extent of the rectangle with worse positions along world x and world y.
+    /// Lengths, along world x and world y, of the rectangle in which satellite positions are worse or missing.
     #[schemars(inner(range(min = 0.1, max = 200.0)))]
     pub size_m: [f64; 2],
-    /// Quality of the positions that remain.
+    /// Quality of the satellite positions that are reported in the rectangle.
     #[serde(default)]
     pub leaves: Reception,
 }

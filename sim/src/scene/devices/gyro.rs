@@ -14,7 +14,7 @@ pub struct Gyro {
     /// Bound `gyro.bias`: greatest bias of the gyroscope. The bias is drawn at random within this and never wanders beyond it.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub bias_tolerance_deg_per_s: f64,
-    /// Greatest error of the gyroscope's scale factor as a share of 1, drawn at random once for a run.
+    /// Greatest error of the gyroscope's scale factor, whose nominal value is 1; drawn at random once for a run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub scale_tolerance: f64,
     /// Bound `gyro.noise`: greatest noise of one reading of the gyroscope. The noise is normally distributed.
@@ -26,12 +26,12 @@ pub struct Gyro {
     /// Angle random walk N, which is white noise of the rate. Unless stated, one reading's standard deviation is a third of `noise_deg_per_s`.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_random_walk_deg_per_sqrt_h: Option<f64>,
-    /// Bound `gyro.angle`: over any span of time, the noise and the bias's departure from its first value add up to at most this angle plus
-    /// `angle_deg_per_s` times the span. Noise that would make it more is drawn again, unless `noise_redrawn` is false. If no angle is stated, only
-    /// single readings are bounded.
+    /// Bound `gyro.angle`: greatest angle that the gyroscope's noise and the change of its bias since the start add up to over any span of time. It
+    /// is this angle plus `angle_deg_per_s` times the length of the span. Noise that would make it more is drawn again, unless `noise_redrawn` is
+    /// false. If no angle is stated, only single readings are bounded.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_floor_deg: Option<f64>,
-    /// Growth of the bound `gyro.angle` with the span of time, in addition to `angle_floor_deg`.
+    /// Growth of the bound `gyro.angle` with the length of the time span: the bound is `angle_floor_deg` plus this times the length.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub angle_deg_per_s: f64,
     /// Bias instability B of the gyroscope: flicker noise with correlation times from 1 s to 1 h.
@@ -40,10 +40,10 @@ pub struct Gyro {
     /// Rate random walk K of the gyroscope's bias.
     #[schemars(range(min = 0.0, max = 10000.0))]
     pub rate_random_walk_deg_per_h_per_sqrt_h: f64,
-    /// Bound `gyro.wander`: greatest change of the bias per time. A faster change is cut off.
+    /// Bound `gyro.wander`: greatest rate at which the gyroscope's bias changes. A faster change is cut off.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub bias_wander_deg_per_s2: f64,
-    /// Time between two readings, over which each reading averages; a multiple of 0.001.
+    /// Time between two readings of the gyroscope, each of which is the mean over this time; a multiple of 0.001.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub period_s: f64,
 }

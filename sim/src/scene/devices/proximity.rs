@@ -4,14 +4,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A fan of rangefinders in a horizontal plane, such as the scanner of a vacuum cleaner or a forklift. The beams leave from above the robot's origin.
-/// The driver of errands gets the readings, the localizer does not.
+/// The program that drives the robot to its goals gets the readings, the localizer does not.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Proximity {
-    /// Angle of the fan, half of it to either side of robot forward.
+    /// Angle that the fan of rangefinder beams covers, half of it to either side of robot forward.
     #[schemars(range(min = 1.0, max = 360.0))]
     pub field_deg: f64,
-    /// Number of beams in the fan. The outermost ones lie at the fan's edges.
+    /// Number of rangefinder beams in the fan. The outermost ones lie at the fan's edges.
     #[schemars(range(min = 2, max = 2000))]
     pub beams: usize,
     /// Range of the beams. Things farther away are not noticed.
@@ -23,7 +23,7 @@ pub struct Proximity {
     /// Time between two readings.
     #[schemars(range(min = 0.01, max = 1.0))]
     pub period_s: f64,
-    /// Greatest error of a measured distance, drawn at random for each.
+    /// Greatest error of a measured distance, drawn at random for each beam.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub tolerance_m: f64,
 }

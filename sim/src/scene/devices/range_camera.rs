@@ -1,4 +1,4 @@
-//! Keys of the range camera for coded landmarks, with the tolerances of its errors.
+//! Keys of the range camera, which measures where landmarks with a code are, and the tolerances of its errors.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,9 +6,11 @@ use serde_json::json;
 
 use super::Careful;
 
-/// A stereo or structured-light camera that looks forward over the floor and measures coded landmarks.
+/// A stereo or structured-light camera that looks forward over the floor and measures the direction and distance of landmarks, which it tells apart
+/// by a code on them.
 ///
-/// A stereo camera rounds the column in both views to a pixel; a structured-light camera knows the column of the projector's stripe much more finely.
+/// It sees each landmark at one pixel column in each of two views. A stereo camera rounds both columns to a pixel. In a structured-light camera a
+/// projector takes the place of the second view, and the column of the projected stripe is known much more finely.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RangeCamera {
@@ -27,10 +29,10 @@ pub struct RangeCamera {
     /// Greatest error of the baseline, as a share of its nominal value; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub baseline_tolerance: f64,
-    /// Step to which the column in the first (left) view is rounded.
+    /// Step to which a landmark's pixel column in the first (left) view is rounded.
     #[schemars(range(min = 0.001, max = 10.0))]
     pub column_step_px: f64,
-    /// Step to which the column in the second view, or the projector's stripe, is rounded.
+    /// Step to which a landmark's pixel column in the second view, or the column of the projector's stripe, is rounded.
     #[schemars(range(min = 0.001, max = 10.0))]
     pub match_step_px: f64,
     /// Bound `range_camera.columns`: greatest error of a landmark's column in either view, before the column is rounded; drawn at random for each.
@@ -47,10 +49,10 @@ pub struct RangeCamera {
     pub height_m: f64,
     /// Nominal direction of the optical axis, counter-clockwise from robot forward. Any angle.
     pub yaw_deg: f64,
-    /// Least distance at which the camera measures landmarks.
+    /// Least distance at which the range camera measures landmarks.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub least_range_m: f64,
-    /// Greatest distance at which the camera measures landmarks.
+    /// Greatest distance at which the range camera measures landmarks.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub greatest_range_m: f64,
     /// Time between two readings.
@@ -60,7 +62,8 @@ pub struct RangeCamera {
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
     /// Bound `range_camera.latency`: greatest difference of a reading's actual latency from `latency_s`, drawn at random for each reading. If this is
-    /// half of `period_s` or more, readings overtake one another, and landmarks are learnt only from readings that no earlier one can still follow.
+    /// half of `period_s` or more, readings overtake one another; with `q_items` above 0, the positions of landmarks are then learnt from a reading
+    /// only once no reading measured before it can still arrive.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
     /// Greatest error of a reading's stamp against the true time, drawn at random for each reading.
@@ -75,20 +78,20 @@ pub struct RangeCamera {
     /// Greatest angle of the range camera's vertical to the body's, in any direction; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub tilt_tolerance_deg: f64,
-    /// Greatest difference between a landmark's height and the range camera's, as declared to the localizer.
+    /// Greatest difference between the height of a landmark and that of the range camera, as declared to the localizer.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub height_span_m: f64,
-    /// Share of the range camera's sightings that are reported with the code of another landmark.
+    /// Share of the sightings of landmarks that the range camera reports with the code of another landmark.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_share: f64,
-    /// Greatest number of sightings with a wrong landmark code in one reading, whatever `wrong_share` is.
+    /// Greatest number of landmarks in one reading that are reported with a wrong code, whatever `wrong_share` is.
     #[schemars(range(min = 0, max = 100))]
     pub wrong_items_max: usize,
-    /// Least number of right uses of a landmark's code between two wrong uses of it, in the order in which they were measured. With 0 any use may be
-    /// wrong, and if `q_items` is more than 0 no landmark is ever learnt.
+    /// Least number of times that a landmark's code is reported rightly between two times that it is reported for another landmark, in the order of
+    /// measurement. With 0 any report of a code may be wrong, and if `q_items` is more than 0 the localizer never learns the position of a landmark.
     #[schemars(range(min = 0, max = 100))]
     pub wrong_spacing: usize,
-    /// Greatest number of wrong landmark correspondences that is assumed in one reading.
+    /// Greatest number of landmarks in one reading that the localizer assumes to be reported with a wrong code.
     #[schemars(range(min = 0, max = 100))]
     pub q_items: usize,
 }

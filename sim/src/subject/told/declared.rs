@@ -10,14 +10,14 @@ use crate::{
 use localizer::bounds;
 
 impl Scene {
-    /// Widens the bound of this name so that `true_value` keeps it; `declared` is the bound that the scene declares. A bound that holds
+    /// Widens the bound of this name far enough to allow `true_value`; `declared` is the bound that the scene declares. A bound that is not exceeded
     /// stays unchanged.
     pub fn widen(&mut self, bound: &str, declared: f64, true_value: f64) {
         self.state_defaults();
         self.widen_others(bound, declared, true_value);
         each_key(self, &mut |key| match key.widens {
             _ if !key.bounds.contains(&bound) => {}
-            // The relative margin is greater than the one that the comparison with a bound allows for rounding.
+            // The relative margin of 1e-9 is greater than the one that the comparison of a true value with its bound allows for rounding.
             Widens::To => *key.value = key.value.max(true_value * key.per_true * (1.0 + 1e-9)),
             Widens::By => *key.value += (true_value - declared).max(0.0) * key.per_true * (1.0 + 1e-9),
             Widens::Not => {}
@@ -31,7 +31,7 @@ impl Scene {
         each_key(self, &mut |key| *key.value *= factor);
     }
 
-    /// Moves values that the scene itself places beyond the bound of this name back to the bound.
+    /// Moves values that the scene itself states, such as landmarks' heights, back to the bound of this name where they are beyond it.
     pub(crate) fn clip_placed(&mut self, bound: &str) {
         let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == bounds::RANGE_CAMERA_HEIGHT_SPAN)
         else {
@@ -63,7 +63,8 @@ impl Scene {
         self.localizer.wall_directions = Some(setup);
     }
 
-    /// States explicitly the values that otherwise follow from a bound, so that they stay when the bound changes.
+    /// Writes values that otherwise follow from the scene or are defaults (markers' heights, setup of wall directions) explicitly into their keys, so
+    /// that they stay when a bound changes.
     fn state_defaults(&mut self) {
         let ceiling = self.clone();
         if let Some(markers) = &mut self.markers {
@@ -72,12 +73,12 @@ impl Scene {
         self.localizer.wall_directions = Some(self.localizer.wall_directions());
     }
 
-    /// Widens the bounds that are not simply the value of one key.
+    /// Widens the bounds that are not simply the value of one key of the scene.
     fn widen_others(&mut self, bound: &str, declared: f64, true_value: f64) {
         match bound {
-            // The bound is the least distance of the robot's origin from a wall, which follows from the body's radius.
+            // The bound on walls is the least distance of the robot's origin from a wall, which follows from the body's radius.
             bounds::ROOM_WALLS => self.robot.body_radius_m -= (true_value - declared).max(0.0),
-            // The angle of a joint follows from the laying tolerance at both ends of the room's shorter side.
+            // The bound on a floor joint's angle follows from the tiles' laying tolerance at both ends of the room's shorter side.
             bounds::FLOOR_TILES_LAYING_ANGLE => {
                 let shortest_m = self.room.width_m.min(self.room.depth_m);
                 if let Some(tiles) = &mut self.floor.tiles {
@@ -120,7 +121,7 @@ fn each_key(scene: &mut Scene, change: &mut dyn FnMut(ToldKey<'_>)) {
     each_told_key(robot, change);
 }
 
-/// Keys of the bounds on quantities that emerge from the physics.
+/// Keys of the bounds on quantities that emerge from the physics, such as slip, speed, acceleration and the body's tilt.
 fn emergent(bounds: &mut Bounds) -> Vec<ToldKey<'_>> {
     let mut keys = vec![
         ToldKey::is_part(&[bounds::WHEELS_SLIP], &mut bounds.slip_ratio, Widens::Not),

@@ -66,7 +66,8 @@ impl Scene {
         [0, 1].map(|axis| Interval::new(-beyond_m[axis], plan.size_m[axis] + beyond_m[axis]))
     }
 
-    /// Greatest distance along x and along y between two possible positions of the robot's origin: what the walls leave to the robot's body.
+    /// Greatest distance along x and along y between two possible positions of the robot's origin: the room's size less the strips along the walls
+    /// that the robot's body keeps the origin out of.
     pub(crate) fn left_to_origin_m(&self) -> [f64; 2] {
         let keep_m = self.robot.body_radius_m - GIVES_WAY_M;
         self.room_hull_m().map(|range| range.width() - 2.0 * keep_m)
@@ -84,7 +85,8 @@ impl Scene {
         Pose { x_m: self.start.x_m, y_m: self.start.y_m, heading_rad: self.start.heading_deg.to_radians() }
     }
 
-    /// The scene with the robot placed at a station, lasting until the first image, range reading and position have arrived.
+    /// The scene with the robot placed at a station. It lasts until the first image of every camera, the first range reading and the first position of
+    /// satellite navigation have arrived.
     pub fn at_station(&self, station: &Station) -> Scene {
         let arrival_s = first_arrivals_s(&self.robot);
         let start = Start {
@@ -94,12 +96,12 @@ impl Scene {
             tolerance_m: station.tolerance_m.unwrap_or(self.start.tolerance_m),
             tolerance_deg: station.tolerance_deg.unwrap_or(self.start.tolerance_deg),
         };
-        // The run lasts one step longer than the arrival takes, so that the estimate after it counts as well.
+        // The run lasts one step longer than the first readings take to arrive, so that the estimate after their arrival counts as well.
         let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
         Scene { start, duration_s, stations: Vec::new(), ..self.clone() }
     }
 
-    /// Simulated duration of a run: that of its drive, or of all its stations together.
+    /// Simulated duration of a run: that of its drive, or of all stations together at which the robot is put.
     pub fn simulated_s(&self) -> f64 {
         if self.stations.is_empty() {
             return self.duration_s;

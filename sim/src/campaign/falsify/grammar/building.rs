@@ -1,4 +1,4 @@
-//! Gives furniture, people, landmarks, doors, pictures and lamps of a drawn scene places where such things can be.
+//! Gives the people, landmarks, doors, pictures and lamps of a scene drawn at random positions where such things can be.
 
 use toml::{Table, Value};
 
@@ -9,7 +9,8 @@ use crate::{
 
 use super::settled::{items, number, place, table, text};
 
-/// Places all things of a drawn scene that stand in or around its room. Things that only cameras see are removed if the robot has no camera.
+/// Gives positions to all things in and around the room of a scene drawn at random. Things that only cameras see are removed if the robot has no
+/// camera.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     let has_cameras = !robot.cameras().is_empty();
     if !has_cameras {
@@ -20,7 +21,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     }
     for (index, landmark) in items(scene, "landmark").enumerate() {
         let mut dice = draws.dice(&format!("place of landmark {index}"));
-        // Most landmarks hang on walls, the others on something that stands in the room.
+        // Most landmarks are placed on walls, the others anywhere in the room.
         let at_m = if dice.chance(0.8) { on_wall(&mut dice, room_m, 0.0).0 } else { inside(&mut dice, room_m, 0.05) };
         place(landmark, at_m);
         let height_m = robot.range_camera.as_ref().map_or(0.5, |camera| camera.height_m);
@@ -43,7 +44,8 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     settle_askew(scene);
 }
 
-/// Declares a bound on how far furniture along the walls stands askew. It covers the angles that the scene states and what a seed adds to them.
+/// Declares a bound on how far furniture along the walls stands askew. The bound covers the angle that the scene states for each piece and the random
+/// error that each seed adds to it.
 fn settle_askew(scene: &mut Table) {
     let building = scene.get("building").and_then(Value::as_table);
     let drawn_deg = building.and_then(|building| number(building, "furniture_tolerance_deg")).unwrap_or(0.0);
@@ -52,7 +54,7 @@ fn settle_askew(scene: &mut Table) {
         ((stated_deg + 45.0).rem_euclid(90.0) - 45.0).abs()
     };
     let stands_deg = items(scene, "furniture").map(turn_deg).filter(|turn_deg| *turn_deg <= 5.0);
-    // Without furniture along the walls no bound on its angle has to be declared.
+    // Without furniture along the walls no bound on the angle of furniture has to be declared.
     let Some(most_deg) = stands_deg.reduce(f64::max).map(|turn_deg| rounded(turn_deg + drawn_deg + 0.0005, 3)) else {
         return;
     };
@@ -85,7 +87,8 @@ fn settle_walls(building: &mut Table, draws: &Draws, room_m: [f64; 2]) {
             if !has_rooms {
                 thing.remove("open");
             }
-            // A chessboard would have to have the proportions of its pattern, and only scenes for calibration need one.
+            // No picture of a random scene is a chessboard: its proportions would have to be those of the pattern, and only scenes for calibration
+            // need one.
             thing.remove("chessboard");
             let bottom_m = number(thing, "bottom_m").unwrap_or(1.2);
             let height_m = number(thing, "height_m").unwrap_or(0.6).min(ceiling_m - bottom_m - 0.01);
@@ -99,7 +102,8 @@ fn settle_walls(building: &mut Table, draws: &Draws, room_m: [f64; 2]) {
     }
 }
 
-/// Places lamps below the ceiling and windows in walls, and keeps only one statement of the illuminance.
+/// Places lamps below the ceiling and windows in walls. Where a drawn scene states the brightness of the light by two keys that exclude each other,
+/// one of them is removed.
 fn settle_light(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     if let Some(Value::Table(light)) = scene.get_mut("light") {
         let is_twice =
@@ -128,7 +132,7 @@ fn settle_light(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robo
     }
 }
 
-/// Obstacles of the robot, as circles around pieces of furniture.
+/// The room, the robot's radius, and the obstacles to be kept clear of: a circle around each piece of furniture.
 pub(super) struct Obstacles {
     room_m: [f64; 2],
     body_radius_m: f64,
@@ -146,10 +150,10 @@ impl Obstacles {
         Obstacles { room_m, body_radius_m, circles: items(scene, "furniture").filter_map(circle).collect() }
     }
 
-    /// Draws a place with `margin_m` between the robot's body and every obstacle, also along the straight path from `from_m`. If no such
-    /// place is found, the last one tried is returned: the scene is then refused, or the robot bumps into something.
+    /// Draws a position of the robot with `margin_m` between its body and every obstacle, also along the straight path from `from_m`. If no such
+    /// position is found, the last one tried is returned: the scene is then refused, or the robot bumps into something.
     pub(super) fn free_place(&self, dice: &mut Dice, margin_m: f64, from_m: Option<[f64; 2]>) -> [f64; 2] {
-        /// Number of places to try: in rooms half full of furniture nine in ten places are not free.
+        /// Number of positions of the robot to try: in rooms half full of furniture nine in ten positions are not free.
         const TRIES: usize = 60;
         let keep_m = self.body_radius_m + margin_m;
         let mut at_m = inside(dice, self.room_m, keep_m);
@@ -175,7 +179,7 @@ fn distance_m(from_m: [f64; 2], to_m: [f64; 2], point_m: [f64; 2]) -> f64 {
     (off[0] - share * way[0]).hypot(off[1] - share * way[1])
 }
 
-/// Draws a place in the room, `margin_m` away from its walls where the room is wide enough.
+/// Draws a position in the room, at least `margin_m` away from its walls where the room is wide enough.
 pub(super) fn inside(dice: &mut Dice, room_m: [f64; 2], margin_m: f64) -> [f64; 2] {
     room_m.map(|extent_m| {
         let margin_m = margin_m.min(extent_m / 2.0);
@@ -183,8 +187,8 @@ pub(super) fn inside(dice: &mut Dice, room_m: [f64; 2], margin_m: f64) -> [f64; 
     })
 }
 
-/// Draws a place on one of the room's walls, as the middle of something of the given length, and returns it with the direction in which
-/// the wall faces.
+/// Draws a position on one of the room's walls for a thing of the given length, such as a door. Returns the middle of the thing and the direction in
+/// which the wall faces.
 fn on_wall(dice: &mut Dice, [width_m, depth_m]: [f64; 2], length_m: f64) -> ([f64; 2], f64) {
     let mut along = |extent_m: f64| {
         let half_m = (length_m / 2.0).min(extent_m / 2.0);

@@ -1,4 +1,4 @@
-//! Places markers of the scene's coding on the ceiling so that none overlap, and damages some of them.
+//! Places ceiling markers of the scene's coding so that none overlap, and damages some of them.
 
 use localizer::markers;
 use toml::{Table, Value};
@@ -16,7 +16,8 @@ use super::{
 /// Half the diagonal of a marker, which is the greatest distance of its corners from its middle.
 const REACH_M: f64 = 0.115;
 
-/// Completes the table `[markers]`. It is removed if the robot has no ceiling camera, the only device that sees markers.
+/// Completes the table `[markers]` of a scene drawn at random. The table is removed if the robot has no ceiling camera, the only device that sees
+/// markers.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     if robot.ceiling_camera.is_none() {
         scene.remove("markers");
@@ -24,7 +25,8 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     }
     let markers = table(scene, "markers");
     let mut dice = draws.dice("markers");
-    // Layouts are drawn seldom: the proof that a layout covers the room takes seconds, and for most cameras drawn at random no layout does.
+    // A key for an automatic layout, by which the program itself places the markers, is drawn seldom: the proof that the ceiling camera sees enough
+    // markers from everywhere in the room takes seconds, and for most cameras drawn at random it fails.
     if dice.chance(0.1) {
         markers.remove("marker");
         table(markers, "layout");
@@ -40,7 +42,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     list.retain_mut(|marker| {
         let Value::Table(marker) = marker else { return false };
         let word = words.swap_remove(dice.whole(0, words.len() as i64 - 1) as usize);
-        // A marker that was moved since the survey still has to lie on the ceiling.
+        // A marker that was moved since the map was made still has to lie on the ceiling, so that its place keeps more distance from the walls.
         let moved_m = if marker.contains_key("misplaced_m") { 0.1 } else { 0.0 };
         let Some(at_m) = free(&mut dice, room_m, moved_m, &places) else { return false };
         places.push(at_m);
@@ -55,9 +57,10 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     }
 }
 
-/// Draws a place where a marker overlaps no other; none when no such place is found.
+/// Draws a position on the ceiling where a marker overlaps no other; none when no such position is found.
 fn free(dice: &mut Dice, room_m: [f64; 2], moved_m: f64, places: &[[f64; 2]]) -> Option<[f64; 2]> {
-    /// Number of places to try. In a room full of markers most places are taken, and a scene with fewer markers is just as useful.
+    /// Number of positions to try for one marker. In a room full of markers most positions are taken; a marker that finds none is left out, as a
+    /// scene with fewer markers is just as useful.
     const TRIES: usize = 40;
     let is_free =
         |at_m: &[f64; 2]| places.iter().all(|other| (at_m[0] - other[0]).hypot(at_m[1] - other[1]) > 2.0 * REACH_M);

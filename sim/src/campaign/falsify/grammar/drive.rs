@@ -1,4 +1,5 @@
-//! Gives the robot of a drawn scene places and waypoints that are clear of walls and furniture, and speeds that it can reach.
+//! Gives the robot of a scene drawn at random a start, goals and waypoints that are clear of walls and furniture, and speeds that the robot can
+//! reach.
 
 use toml::{Table, Value};
 
@@ -12,11 +13,11 @@ use super::{
     settled::{items, number, place, table},
 };
 
-/// The kinds of drive, of which a scene has exactly one: the keys of each kind, and its probability.
+/// The kinds of drive, of which a scene has exactly one: the scene keys of each kind, and the probability of the kind.
 const DRIVES: [(&[&str], f64); 4] =
     [(&["route"], 0.8), (&["errand", "navigation"], 0.1), (&["station"], 0.07), (&["station_spread"], 0.03)];
 
-/// Keeps one kind of drive in the scene, and gives it places that the robot can reach.
+/// Keeps one kind of drive in the scene, and gives its goals, waypoints or stations positions that the robot can reach.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     let mut dice = draws.dice("drive");
     let chosen = choose(&mut dice);
@@ -28,7 +29,8 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     let obstacles = Obstacles::of(scene, room_m, robot.body_radius_m);
     let start = table(scene, "start");
     let tolerance_m = number(start, "tolerance_m").unwrap_or(0.01);
-    // The robot's start is drawn within its tolerance, so that with a wide tolerance every possible start has to lie in the room.
+    // Each seed puts the robot at a random start within the tolerance. The tolerance is therefore limited, so that every possible start lies in the
+    // room.
     let most_m = 0.4 * (room_m[0].min(room_m[1]) / 2.0 - robot.body_radius_m).max(0.0);
     let tolerance_m = rounded(tolerance_m.min(most_m), 3);
     start.insert("tolerance_m".to_owned(), Value::Float(tolerance_m));
@@ -66,7 +68,7 @@ fn keep_people_off(scene: &mut Table, start_m: [f64; 2], body_radius_m: f64) {
 fn settle_route(route: &mut Table, dice: &mut Dice, obstacles: &Obstacles, start_m: [f64; 2], robot: &Robot) {
     let mut at_m = start_m;
     for waypoint in items(route, "waypoint") {
-        // A path that a person lays out does not lead through furniture.
+        // The straight way from one waypoint to the next keeps clear of furniture, as it would in a route that a person lays out.
         at_m = obstacles.free_place(dice, 0.02, Some(at_m));
         place(waypoint, at_m);
         let speed_m_per_s = number(waypoint, "speed_m_per_s").unwrap_or(0.4).min(robot.max_speed_m_per_s);

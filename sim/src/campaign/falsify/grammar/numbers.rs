@@ -1,4 +1,5 @@
-//! Draws numbers within a range: near the default, at the ends of the range, or between them with every order of magnitude equally likely.
+//! Draws the values of numerical scene keys within a range: near the key's default, at the ends of the range, or between them with every order of
+//! magnitude equally likely.
 
 use serde_json::Value as Json;
 
@@ -16,13 +17,13 @@ pub(super) struct Span {
     pub(super) most: f64,
     /// Default value of the key, if the key has one that is a number.
     pub(super) default: Option<f64>,
-    /// Range that the schema allows, from which a number is seldom drawn.
+    /// Whole range that the schema allows for the key. The value is seldom drawn from all of it.
     allowed: [f64; 2],
 }
 
 impl Span {
-    /// Returns the range that the schema allows for the key at `path`, narrowed to values with which a robot can drive. `property`
-    /// carries the key's default.
+    /// Returns the range that the schema allows for the key at `path`, narrowed to values with which a robot can drive. `property` is the schema's
+    /// entry that states the key's default.
     pub(super) fn of(node: &'static Json, property: &'static Json, path: &str) -> Span {
         let bound = |name: &str| node.get(name).and_then(Json::as_f64);
         let above = bound("exclusiveMinimum").map(f64::next_up);
@@ -33,14 +34,14 @@ impl Span {
     }
 }
 
-/// Ratio of the least to the greatest magnitude that is drawn, for ranges that include 0.
+/// Least magnitude that is drawn on a logarithmic scale, relative to the greatest one. Ranges that include 0 need such a limit.
 const DEPTH: f64 = 1e-4;
 
-/// Draws of a uniform number in 0..1 at or above this value, one in 250, take the key's value from all that the schema allows. A scene
-/// states dozens of numbers, so that some scenes have such a number and most have none.
+/// Threshold of a uniform random number in 0..1: at or above it, in one draw of 250, a key's value is drawn from the whole range that the schema
+/// allows. A scene states dozens of numbers, so that some scenes have such a value and most have none.
 const ALLOWED_FROM: f64 = 0.996;
 
-/// Draws a number from `span`; none when the range is empty.
+/// Draws a key's value from its range `span`; none when the range is empty.
 pub(super) fn number(dice: &mut Dice, span: &Span) -> Option<f64> {
     let Span { mut least, mut most, default, allowed } = *span;
     if least >= most {
@@ -67,7 +68,7 @@ pub(super) fn number(dice: &mut Dice, span: &Span) -> Option<f64> {
     Some(rounded(drawn, 4).clamp(least, most))
 }
 
-/// Draws a direction in degrees: along an axis, close to one, or any.
+/// Draws a direction in degrees: along the x or y axis, close to one of them, or any.
 pub(super) fn direction_deg(dice: &mut Dice) -> f64 {
     let quarter = 90.0 * dice.whole(-2, 2) as f64;
     let which = dice.uniform(0.0, 1.0);

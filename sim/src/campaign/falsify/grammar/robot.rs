@@ -1,4 +1,5 @@
-//! Gives the robot of a drawn scene its devices, periods at which they can be sampled, and bounds that can hold.
+//! Gives the robot of a scene drawn at random its devices, periods at which these can be sampled, and declared bounds wide enough for the robot to
+//! keep.
 
 use toml::{Table, Value};
 
@@ -10,17 +11,17 @@ use localizer::reading::Camera;
 
 use super::settled::{meaning, number, table};
 
-/// Probability with which a robot has each of these devices. Cameras that render images are listed apart.
+/// Probability with which a robot has each of the devices that need no rendered images. The cameras are listed apart.
 const FITTED: [(&str, f64); 4] = [("gyro", 0.65), ("flow", 0.5), ("range_camera", 0.55), ("proximity", 0.15)];
 
-/// Probability with which a robot has each camera, in scenes that have cameras.
+/// Probability with which a robot has each of its three cameras, in scenes that have rendered cameras at all.
 const CAMERAS: [(&str, Camera, f64); 3] = [
     ("floor_camera", Camera::Floor, 0.5),
     ("forward_camera", Camera::Forward, 0.35),
     ("ceiling_camera", Camera::Ceiling, 0.4),
 ];
 
-/// Completes the tables `[robot]` and `[bounds]`, and returns the robot with all its default values.
+/// Completes the tables `[robot]` and `[bounds]` of a drawn scene, and returns the robot with all its default values.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Robot {
     let robot = table(scene, "robot");
     let mut dice = draws.dice("devices that are fitted");
@@ -61,7 +62,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Rob
     fitted
 }
 
-/// Fits a device to the robot or removes it, whatever the robot's preset has.
+/// Fits a device to the robot or removes it, whether or not the robot's preset has such a device.
 fn fit(robot: &mut Table, name: &str, is_fitted: bool) {
     if is_fitted {
         table(robot, name);
@@ -70,11 +71,12 @@ fn fit(robot: &mut Table, name: &str, is_fitted: bool) {
     }
 }
 
-/// Declares a tolerance of the flow sensor's scale that covers all errors of scale that are drawn, with 2 % more for their products.
+/// Declares a tolerance for the scale of the optical flow sensor that covers the sum of all errors of scale that the scene draws at random, and 2 %
+/// more for their products.
 fn settle_flow(flow: &mut Table) {
     let Some(meant) = meaning::<Flow>(flow) else { return };
     let drawn = 1.02 * (meant.calibration_tolerance + meant.surface_tolerance + meant.noise_tolerance);
-    // A flow sensor with an error of scale of nearly 100 % says nothing about motion, so that such errors are removed.
+    // A flow sensor with an error of scale of nearly 100 % says nothing about motion, so that the keys that state such large errors are removed.
     if drawn > 0.8 {
         for key in ["calibration_tolerance", "surface_tolerance", "noise_tolerance"] {
             flow.remove(key);
@@ -103,7 +105,8 @@ fn settle_gyro(gyro: &mut Table) {
     }
 }
 
-/// Makes exposures end before the next image, and puts the principal point of the ceiling camera inside the image.
+/// Lengthens the period of a camera so that each exposure ends before the next image is due, and puts the principal point of the ceiling camera
+/// inside the image.
 fn settle_images(robot: &mut Table, draws: &Draws) {
     for (name, ..) in CAMERAS {
         let Some(Value::Table(camera)) = robot.get_mut(name) else { continue };
@@ -121,7 +124,8 @@ fn settle_images(robot: &mut Table, draws: &Draws) {
         }
         bend(camera, &mut draws.dice(&format!("barrel of the {name}")));
         camera.remove("turning_exposure_s").filter(|_| draws.dice("turning exposure").chance(0.3)).map(|exposure| {
-            // A turning exposure of at most 2 ms is within the longest exposure of every preset.
+            // The exposure in turns is limited to 2 ms, as it must not exceed the sensor's longest exposure, which is longer than that in every
+            // preset.
             let exposure_s = exposure.as_float().unwrap_or(0.002).min(0.002);
             camera.insert("turning_exposure_s".to_owned(), Value::Float(exposure_s))
         });
@@ -146,9 +150,9 @@ fn bend(camera: &mut Table, dice: &mut Dice) {
     }
 }
 
-/// Draws the declared bounds on motion that emerges from the physics. Bounds on reach are multiples of the robot's own limits. Bounds on
-/// slip, tilt and heave are never narrower than their defaults. They are at least five times as wide for half of the P3-DX robots, on
-/// which the defaults were measured, and for all other robots.
+/// Draws the declared bounds on motion that emerges from the physics. The bounds on the robot's speed, turn rate and acceleration (`reach_…`) are
+/// multiples of the greatest values that the scene states for the robot. Bounds on slip, tilt and heave are never narrower than their defaults. They
+/// are at least five times as wide for half of the P3-DX robots, on which the defaults were measured, and for all other robots.
 fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
     let usual = Bounds::default();
     let is_usual = robot.preset == RobotPreset::P3dx && draws.dice("robot as it is").chance(0.5);
@@ -156,7 +160,7 @@ fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
         let mut dice: Dice = draws.dice(&format!("bounds.{key}"));
         bounds.insert(key.to_owned(), Value::Float(rounded(dice.log_uniform(least, most), 3)));
     };
-    // A push or a carpet can move the robot faster than its motors.
+    // The declared bounds on motion are wider than the limits of the motors, as a push or a carpet can move the robot faster.
     state("reach_speed_m_per_s", 1.4 * robot.max_speed_m_per_s, 4.0 * robot.max_speed_m_per_s);
     state("reach_turn_rate_rad_per_s", 1.6 * robot.max_turn_rate_rad_per_s, 4.0 * robot.max_turn_rate_rad_per_s);
     state("reach_acceleration_m_per_s2", 6.0 * robot.max_acceleration_m_per_s2, 60.0 * robot.max_acceleration_m_per_s2);

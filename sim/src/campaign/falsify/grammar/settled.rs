@@ -1,4 +1,4 @@
-//! Makes the parts of a drawn scene fit together, which a schema cannot demand. A scene that still does not fit is refused and drawn again.
+//! Makes the parts of a scene drawn at random fit together, which a schema cannot demand. A scene that still does not fit is refused and drawn again.
 
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
@@ -17,7 +17,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
         "room".to_owned(),
         Value::Table(room.map(|(key, m)| (key.to_owned(), Value::Float(m))).into_iter().collect()),
     );
-    // Runs with cameras are slow, so that they are drawn shorter.
+    // Runs with cameras are slow to simulate, so that their scenes have a shorter duration.
     let most_s = if has_cameras { 8.0 } else { 20.0 };
     let duration_s = rounded(draws.dice("duration_s").uniform(most_s / 4.0, most_s), 3);
     scene.insert("duration_s".to_owned(), Value::Float(duration_s));
@@ -30,7 +30,8 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
     events(scene, draws, duration_s);
 }
 
-/// Chooses among the methods for which the robot has the devices. Most scenes have all of them, as an error of one method misleads the others.
+/// Chooses localization methods for which the robot has the devices. Each of them is kept with a probability of 0.9, so that most methods work
+/// together: then an error of one method misleads the others.
 fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
     let mut dice = draws.dice("methods that are used");
     let used = MethodName::ALL.iter().copied().filter(|method| robot.lacks(*method).is_none() && dice.chance(0.9));
@@ -45,7 +46,8 @@ fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
     }
 }
 
-/// Gives regions of the floor places within the room, and makes them rise gently.
+/// Gives each region of the floor, such as a carpet, a position within the room, and a ramp along its edges over which the floor rises gently to the
+/// region's height.
 fn floor(scene: &mut Table, draws: &Draws, room_m: [f64; 2]) {
     let Some(Value::Table(floor)) = scene.get_mut("floor") else { return };
     for (index, region) in items(floor, "region").enumerate() {
@@ -56,14 +58,14 @@ fn floor(scene: &mut Table, draws: &Draws, room_m: [f64; 2]) {
             let range_m = [from_m, to_m].map(|m| Value::Float(rounded(m, 3).min(extent_m)));
             region.insert(key.to_owned(), Value::Array(range_m.to_vec()));
         }
-        // The slope of a ramp may be 0.5 at most; wheels of a few centimetres need less.
+        // A scene is valid with ramps of a slope of up to 0.5. The slope is 0.1 at most here, as small wheels could not climb more.
         let height_m = number(region, "height_m").unwrap_or(0.0);
         let ramp_m = rounded((10.0 * height_m).max(0.03), 3);
         region.insert("ramp_m".to_owned(), Value::Float(ramp_m));
     }
 }
 
-/// Gives events times within the run, and regions of the floor that exist.
+/// Gives each event a time within the run, and lets it name only regions of the floor that the scene has.
 fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
     let regions: Vec<String> = match scene.get_mut("floor") {
         Some(Value::Table(floor)) => items(floor, "region").filter_map(|region| text(region, "name")).collect(),
@@ -113,12 +115,13 @@ pub(super) fn text(of: &Table, key: &str) -> Option<String> {
     of.get(key)?.as_str().map(str::to_owned)
 }
 
-/// Parses a table with its default values; none where the table is invalid, as the whole scene then is.
+/// Parses a part of a scene, with default values for the keys that it does not state; none when the part is invalid, which makes the whole scene
+/// invalid.
 pub(super) fn meaning<T: DeserializeOwned>(of: &Table) -> Option<T> {
     Value::Table(of.clone()).try_into().ok()
 }
 
-/// Writes a place into a table as its keys `x_m` and `y_m`.
+/// Writes a position into a table as the keys `x_m` and `y_m`.
 pub(super) fn place(table: &mut Table, at_m: [f64; 2]) {
     for (key, value_m) in [("x_m", at_m[0]), ("y_m", at_m[1])] {
         table.insert(key.to_owned(), Value::Float(rounded(value_m, 4)));

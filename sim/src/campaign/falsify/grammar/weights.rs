@@ -1,20 +1,20 @@
-//! How often keys are stated and in which range their values are drawn, where the schema allows more than a robot can drive with.
+//! How often random scenes state each key, and from which range its value is drawn where the schema allows more than a robot can drive with.
 //!
-//! A path here stands for its key wherever that key occurs: of the listed paths that a key's full path ends with, the longest counts.
+//! A listed path applies to every key whose full path ends with it; where several listed paths do so, the longest counts.
 
 use super::without_indices;
 
-/// Returns the probability that a key is stated; none when it has the probability of its type.
+/// Returns the probability that a random scene states a key; none when the key is not listed, so that a default for keys of its type applies.
 pub(super) fn chance(path: &str) -> Option<f64> {
     found(&CHANCES, path)
 }
 
-/// Returns the range from which a number is drawn; none when the schema's own range is suitable.
+/// Returns the range from which a key's value is drawn; none when the range of the schema is suitable as it is.
 pub(super) fn range(path: &str) -> Option<[f64; 2]> {
     found(&RANGES, path)
 }
 
-/// Returns the least and the greatest number of items that a list is drawn with.
+/// Returns the least and the greatest number of items that a list in a random scene has.
 pub(super) fn count(path: &str) -> [i64; 2] {
     found(&COUNTS, path).unwrap_or([1, 3])
 }
@@ -30,8 +30,8 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
         .map(|(_, value)| *value)
 }
 
-/// Probabilities that keys are stated. A probability of 0 is for keys that `settled` fills in, that the localizer does not read, or that
-/// name a file that does not exist.
+/// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
+/// localizer does not read, or that name a file that does not exist.
 const CHANCES: [(&str, f64); 41] = [
     ("description", 0.0),
     ("expect", 0.0),
@@ -57,7 +57,7 @@ const CHANCES: [(&str, f64); 41] = [
     ("robot.gyro", 1.0),
     ("robot.flow", 1.0),
     ("robot.proximity", 0.5),
-    // A wheel worn beyond its tolerance breaks a bound from the first second on, so that the rest of the run shows nothing more.
+    // Worn wheels are rare: a wheel worn beyond its tolerance exceeds a declared bound from the first second on, so that the run shows nothing more.
     ("robot.wheel_wear", 0.02),
     ("floor.tiles.misplaced", 0.03),
     ("markers.marker", 1.0),
@@ -77,7 +77,8 @@ const CHANCES: [(&str, f64); 41] = [
     ("localizer.wall_directions", 1.0),
 ];
 
-/// Ranges narrower than the schema's: beyond them a robot tips over, stands still, or sees nothing, and every run is the same.
+/// Ranges from which values of keys are drawn, narrower than those of the schema: beyond them a robot tips over, stands still, or sees nothing, and
+/// every run is the same.
 const RANGES: [(&str, [f64; 2]); 129] = [
     ("start.tolerance_m", [0.0, 0.5]),
     ("start.tolerance_deg", [0.0, 20.0]),
@@ -110,10 +111,10 @@ const RANGES: [(&str, [f64; 2]); 129] = [
     ("robot.encoders.period_s", [0.001, 0.4]),
     ("robot.delivery.dropped_share", [0.0, 0.5]),
     ("robot.delivery.duplicated_share", [0.0, 0.5]),
-    // Mounts of devices lie within the robot's body.
+    // Devices are mounted within the robot's body: these are their distances forward and to the left of the robot's origin.
     ("forward_m", [-0.3, 0.3]),
     ("left_m", [-0.3, 0.3]),
-    // Pictures are small and rare, as half of a run's time goes into them.
+    // Camera images are small and their periods long, as half of the computing time of a run goes into them.
     ("width_px", [96.0, 640.0]),
     ("height_px", [96.0, 480.0]),
     ("floor_camera.period_s", [0.05, 1.0]),
@@ -140,7 +141,7 @@ const RANGES: [(&str, [f64; 2]); 129] = [
     ("principal_point_tolerance_px", [0.0, 10.0]),
     ("distortion_tolerance_px", [0.0, 2.0]),
     ("lens.defocus_px", [0.0, 2.0]),
-    // Beyond this distortion, wide lenses fold the image over.
+    // Beyond this distortion, the image of a wide lens is folded over: two directions share one pixel.
     ("lens.distortion", [-0.03, 0.03]),
     ("lens.row_time_s", [0.0, 5e-5]),
     ("sensor.exposure_s", [0.0005, 0.03]),

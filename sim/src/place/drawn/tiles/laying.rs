@@ -7,14 +7,14 @@ use crate::{
     truth::randomness::{self, draw_within},
 };
 
-/// Contrast of a worn joint, by the scene's definition of `worn_share`.
+/// Contrast of a worn joint. The scene's key `worn_share` defines it as a third of the contrast of a new joint.
 const WORN_CONTRAST: f32 = 1.0 / 3.0;
 
-/// Draws straight joints, both ends of each within the laying tolerance. Each line has its displacement where the other coordinate is 0,
-/// and its slope.
+/// Draws straight joints, both ends of each within the laying tolerance of the joint's nominal line. The line of each joint is returned as its
+/// displacement where the coordinate along the joint is 0, and its slope.
 ///
-/// The ends are at the room's extent in the grid frame, which is never less than the room's shorter side. A joint's angle therefore stays
-/// within 2·tolerance / shorter side, and every point of the joint in the room within the tolerance.
+/// The ends of a joint are at the limits of the room in the grid frame (the frame of the tiles), which are never less than the room's shorter
+/// side apart. A joint's angle therefore stays within 2·tolerance / shorter side, and every point of the joint in the room within the tolerance.
 pub(super) fn draw_lines(
     tiles: &Tiles,
     distribution: Distribution,
@@ -23,7 +23,8 @@ pub(super) fn draw_lines(
     room: [[f64; 2]; 2],
 ) -> [Vec<[f64; 2]>; 2] {
     let mut rng = randomness::stream(seed, "tiles.laying");
-    // With the distribution `Drift` all joints of a family are shifted or turned alike, so that no number of joints reveals the error.
+    // With the distribution `Drift` all joints that run in the same direction are shifted or turned alike, so that no number of joints reveals
+    // the error.
     let alike_m = (distribution == Distribution::Drift)
         .then(|| [0; 2].map(|_| [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng))));
     [0, 1].map(|axis| {
@@ -39,7 +40,8 @@ pub(super) fn draw_lines(
     })
 }
 
-/// Displacements of the tile corners if all joints are straight: the exact crossings x = a(y) and y = b(x) of two linear functions.
+/// Displacements of the tile corners from their nominal places if all joints are straight: the exact crossings x = a(y) and y = b(x) of two
+/// linear functions.
 pub(super) fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2]>; 2]) -> Vec<[f64; 2]> {
     let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
     let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
@@ -48,7 +50,8 @@ pub(super) fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2
         for (j, &[shift_y, slope_y]) in (first[1]..).zip(&lines[1]) {
             let x = f64::from(i) * edge_m[0] + phase_m[0];
             let y = f64::from(j) * edge_m[1] + phase_m[1];
-            // With d the displacement of a corner: d_x = shift_x + slope_x·(y + d_y), d_y = shift_y + slope_y·(x + d_x).
+            // With d the displacement of a corner from its nominal place (x, y), and with the shifts and slopes of the two joints that cross
+            // there, d_x = shift_x + slope_x·(y + d_y) and d_y = shift_y + slope_y·(x + d_x).
             let along_x = shift_x + slope_x * y;
             let along_y = shift_y + slope_y * x;
             let d_x = (along_x + slope_x * along_y) / (1.0 - slope_x * slope_y);
@@ -58,7 +61,7 @@ pub(super) fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2
     offsets
 }
 
-/// Draws the contrast of every joint segment.
+/// Draws at random the contrast of every segment of the joints between floor tiles.
 pub(super) fn contrasts(tiles: &Tiles, seed: u64, count: usize) -> [Vec<f32>; 2] {
     let mut worn = randomness::stream(seed, "tiles.worn");
     let mut missing = randomness::stream(seed, "tiles.missing");
@@ -77,7 +80,7 @@ pub(super) fn contrasts(tiles: &Tiles, seed: u64, count: usize) -> [Vec<f32>; 2]
     })
 }
 
-/// Draws the albedo of every tile.
+/// Draws at random the albedo of every floor tile.
 pub(super) fn albedos(tiles: &Tiles, seed: u64, count: usize) -> Vec<f32> {
     let mut rng = randomness::stream(seed, "tiles.albedo");
     (0..count)

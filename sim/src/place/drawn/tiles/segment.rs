@@ -11,11 +11,11 @@ pub(super) struct Segment {
     pub(super) index: i32,
     pub(super) from: Vector2<f64>,
     pub(super) to: Vector2<f64>,
-    /// Displacement of the joint at both ends of the segment, across the joint.
+    /// Displacement of the joint from its nominal line, across the joint, at both ends of the segment.
     pub(super) offset_m: [f64; 2],
     /// Distance of the joint from the straight line that it was laid along, at both ends of the segment.
     pub(super) bend_m: [f64; 2],
-    /// Slope of the straight line that the joint was laid along.
+    /// Slope of the straight line that the joint was laid along against the joint's nominal line.
     pub(super) slope: f64,
     pub(super) contrast: f32,
 }
@@ -46,9 +46,11 @@ impl Segment {
         (low <= high).then_some([low, high])
     }
 
-    /// The part of a joint segment within `range` that lies in a disc, as shares of its length; `None` if there is none.
+    /// The part of a joint segment that lies in a disc and within `range`; `range` and the result are shares of the segment's length. `None` if
+    /// there is no such part.
     pub(super) fn in_disc(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<[f64; 2]> {
-        // The segment meets the circle where |from + s·reach − centre|² = radius², a quadratic in s.
+        // The segment's line, with the vector `reach` from end to end, meets the circle where |from + s·reach − centre|² = radius². This is a
+        // quadratic in the share s.
         let reach = self.to - self.from;
         let start = self.from - centre;
         let (a, half_b) = (reach.norm_squared(), start.dot(&reach));
