@@ -237,7 +237,8 @@ fn list(node: &'static Json, place: Option<&Value>, path: &str, known: &mut Vec<
 
 /// Up to three known keys that may have been meant by an unknown one. The similarity of a key's last part counts as much as that of the whole path.
 fn nearest_keys(key: &str, known: Vec<String>) -> Vec<String> {
-    // Greatest difference in similarity from the most similar key: keys less similar than that would only distract.
+    // For a misspelled key the most similar known keys are suggested, up to this difference in similarity from the most similar one: keys beyond
+    // it would only distract.
     const SLACK: f64 = 0.4;
     let last = |path: &str| segments(path).last().map_or_else(String::new, |last| (*last).to_owned());
     // If a known key has no parts, and the unknown path goes on below it, that key must have been meant.

@@ -1,4 +1,4 @@
-//! Solvers for the pose from landmarks: which of its unknowns are contracted, and by which contractor.
+//! Solvers for the robot's pose from landmarks, by name: which of the pose's three unknowns (x, y, heading) are contracted, and by which contractor.
 
 use interval::contractor::{Contractor, Outcome, QRelaxed};
 use interval::{IntervalBox, paving};

@@ -70,7 +70,7 @@ pub(super) fn scene(draws: &Draws, profile: Profile) -> (Table, u64) {
 /// keys. A scene that states few keys tests them singly, a scene that states many tests combinations.
 const BOLDNESS: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 
-/// State of a recursive walk through the schema that draws a scene.
+/// State of a recursive walk through the schema of scenes, in which a scene is generated at random.
 struct Walk<'a> {
     draws: &'a Draws,
     room_m: [f64; 2],

@@ -16,7 +16,7 @@ use crate::{
 
 use super::DrawnFlow;
 
-/// A flow sensor that moves over the scene's floor.
+/// The simulated flow sensor, which moves with the robot over the scene's floor.
 pub struct FlowSensor {
     flow: Flow,
     mount: DrawnFlow,
