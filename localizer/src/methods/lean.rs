@@ -9,9 +9,9 @@ use interval::Interval;
 /// seen from above, as in Rz(heading)·Ry(pitch)·Rx(roll), and the turn about the vertical that remains when the posture's lean T(a) is
 /// taken off.
 ///
-/// A lean by λ about an axis at the angle α from forward turns the forward axis, seen from above, by δ with tan δ = (1 − cos λ)·sin 2α / (1
-/// + cos λ + (1 − cos λ)·cos 2α), which is at most (1 − cos λ)/(2·√cos λ): about λ²/4. From a lean of a quarter turn on, the bound is half
-/// a turn.
+/// A lean by λ about an axis at the angle α from forward turns the forward axis, seen from above, by δ with
+/// tan δ = (1 − cos λ)·sin 2α / (1 + cos λ + (1 − cos λ)·cos 2α), which is at most (1 − cos λ)/(2·√cos λ): about λ²/4. From a lean of a
+/// quarter turn on, the bound is half a turn.
 pub(super) fn heading_off_rad(lean_rad: f64) -> f64 {
     let cos = Interval::point(lean_rad).cos();
     if cos.lo() <= 0.0 { Interval::PI.hi() } else { ((1.0 - cos) / (cos.sqrt() * 2.0)).atan().hi() }

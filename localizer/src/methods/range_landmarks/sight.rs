@@ -8,10 +8,10 @@
 //! **Tilt.** Let p be the vector from sensor to landmark, of horizontal length r and height |h| ≤ H, and let the vertical be turned by
 //! tilts τ₁, τ₂, … about horizontal axes. A tilt by τᵢ moves a horizontal unit vector horizontally by at most 1 − cos τᵢ and raises it by
 //! at most sin τᵢ; a later tilt τⱼ turns that height into a horizontal shift of sin τᵢ sin τⱼ. All these shifts together are at most (Σ
-//! τᵢ)²/2. The vertical unit vector moves horizontally by the sine of the angle between the verticals, at most sin Σ τᵢ. So |Δp| ≤ H sin τ
-//! + r τ²/2 in any direction. A body's roll and pitch are two tilts of at most √2 times the body's tilt together, and with them the heading
-//! is that of the forward axis, hence τ² instead of τ²/2, with τ = body tilt + mount tilt. The mount itself stands at a height z and a
-//! distance a from the origin, about which the body tilts; this adds z sin τ + a τ² likewise.
+//! τᵢ)²/2. The vertical unit vector moves horizontally by the sine of the angle between the verticals, at most sin Σ τᵢ. So
+//! |Δp| ≤ H sin τ + r τ²/2 in any direction. A body's roll and pitch are two tilts of at most √2 times the body's tilt together, and with
+//! them the heading is that of the forward axis, hence τ² instead of τ²/2, with τ = body tilt + mount tilt. The mount itself stands at a
+//! height z and a distance a from the origin, about which the body tilts; this adds z sin τ + a τ² likewise.
 //!
 //! **Stamp.** Between the true instant and the stamped one the robot moves by at most v·e and turns by at most ω·e: a landmark at q of the
 //! robot frame moves there by at most (v + ω|q|)·e. The box is inflated, and not the pose, because the same box is claimed, contracts the
