@@ -195,7 +195,7 @@ fn the_place_of_a_mistake_is_underlined() {
     let (_, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
     assert!(stderr.contains("[scene.toml:4:11]"), "{stderr}");
     assert!(stderr.contains("depth_m = -2.0"), "{stderr}");
-    assert!(stderr.contains("Extent along world y"), "{stderr}");
+    assert!(stderr.contains("Extent of the room along world y"), "{stderr}");
 }
 
 #[test]
@@ -452,10 +452,34 @@ fn things_in_impossible_places_are_refused() {
     for (index, (more, parts)) in cases.into_iter().enumerate() {
         assert_refused(&format!("impossible_things_{index}"), blind_scene(10.0, more), &parts);
     }
-    // A person is accepted who starts as far from the robot's start as the radii of both add up to, 0.5 m, even if the person walks through the
-    // robot's start later on.
-    let beside = blind_scene(10.0, "[[person]]\nwaypoints_m = [[1.1, 0.6], [0.6, 0.6]]\n");
+    // A person is accepted who starts as far from the robot's start, drawn within 0.01 m, as the radii of both add up to, 0.5 m, even if the person
+    // walks through the robot's start later on.
+    let beside = blind_scene(10.0, "[[person]]\nwaypoints_m = [[1.11, 0.6], [0.6, 0.6]]\n");
     Scene::parse(&beside, "beside.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+}
+
+#[test]
+fn people_and_furniture_where_the_robot_may_be_drawn_are_refused() {
+    // The radii of person and robot add up to 0.5 m. A start at (0.6, 0.6) that is drawn within 0.2 m along each axis may lie at (0.8, 0.8), which is
+    // 0.48 m from (1.14, 1.14) and 0.51 m from (1.16, 1.16).
+    let person = |at_m: f64| format!("[[person]]\nwaypoints_m = [[{at_m}, {at_m}]]\n");
+    let drawn = |more: &str| blind_scene(10.0, more).replace("[start]", "[start]\ntolerance_m = 0.2");
+    let expected = ["`person[0].waypoints_m", "is in the robot's start", "the start is drawn within 0.2 m"];
+    assert_refused("person_drawn", drawn(&person(1.14)), &expected);
+    // Furniture with a corner at (0.96, 0.96) is 0.23 m from (0.8, 0.8), and the robot's radius is 0.25 m.
+    let furniture = drawn("[[furniture]]\nx_m = 1.06\ny_m = 1.06\nsize_m = [0.2, 0.2]\n");
+    assert_refused(
+        "furniture_drawn",
+        furniture,
+        &["`start.x_m", "furniture[0]", "expected 0.5328", "drawn within 0.2 m"],
+    );
+    let apart = drawn(&person(1.16));
+    Scene::parse(&apart, "apart.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let station = "[[station]]\nx_m = 1.5\ny_m = 1.0\nheading_deg = 0\ntolerance_m = 0.1\n";
+    let at_station = blind_scene(10.0, &format!("{station}[[person]]\nwaypoints_m = [[2.0, 1.3]]\n"))
+        .replace("[[route.waypoint]]\nx_m = 2.4\ny_m = 1.2\n", "");
+    let expected = ["`person[0].waypoints_m", "is in the robot's station", "the station is drawn within 0.1 m"];
+    assert_refused("person_at_station", at_station, &expected);
 }
 
 #[test]

@@ -62,7 +62,8 @@ fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
 /// Checks that the robot's origin keeps its body's radius from every wall and every piece of furniture, wherever the scene puts the robot.
 fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     let radius_m = scene.robot.body_radius_m;
-    let mut place = |key: String, at_m: [f64; 2], margin_m: f64, why: &str| {
+    let mut place = |key: String, at_m: [f64; 2], tolerance_m: f64, why: &str| {
+        let (margin_m, keep_m) = (radius_m + tolerance_m, scene.furniture_distance_m(tolerance_m));
         for (axis, extent_m) in [("x_m", scene.room.width_m), ("y_m", scene.room.depth_m)] {
             let value_m = at_m[usize::from(axis == "y_m")];
             let (least_m, most_m) = (margin_m, extent_m - margin_m);
@@ -78,9 +79,8 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
             }
         }
         for (index, furniture) in scene.furniture.iter().enumerate() {
-            if furniture.distance_m(at_m) < margin_m {
-                let expected =
-                    format!("in or by furniture[{index}], expected {} m of distance, {why}", short(margin_m));
+            if furniture.distance_m(at_m) < keep_m {
+                let expected = format!("in or by furniture[{index}], expected {} m of distance, {why}", short(keep_m));
                 found.push(Contradiction { key: format!("{key}.x_m"), expected });
             }
         }
@@ -88,17 +88,17 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     let body = format!("as the robot's body reaches {radius_m} m about its origin");
     let start = &scene.start;
     let drawn = format!("{body} and the start is drawn within {} m", start.tolerance_m);
-    place("start".to_owned(), [start.x_m, start.y_m], radius_m + start.tolerance_m, &drawn);
+    place("start".to_owned(), [start.x_m, start.y_m], start.tolerance_m, &drawn);
     for (index, waypoint) in scene.route.iter().flat_map(|route| &route.waypoints).enumerate() {
-        place(format!("route.waypoint[{index}]"), [waypoint.x_m, waypoint.y_m], radius_m, &body);
+        place(format!("route.waypoint[{index}]"), [waypoint.x_m, waypoint.y_m], 0.0, &body);
     }
     for (index, errand) in scene.errands.iter().enumerate() {
-        place(format!("errand[{index}]"), [errand.x_m, errand.y_m], radius_m, &body);
+        place(format!("errand[{index}]"), [errand.x_m, errand.y_m], 0.0, &body);
     }
     for (index, station) in scene.stations.iter().enumerate() {
         let tolerance_m = station.tolerance_m.unwrap_or(start.tolerance_m);
         let drawn = format!("{body} and a station is drawn within {tolerance_m} m");
-        place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m + tolerance_m, &drawn);
+        place(format!("station[{index}]"), [station.x_m, station.y_m], tolerance_m, &drawn);
     }
 }
 

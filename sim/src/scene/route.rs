@@ -1,5 +1,7 @@
 //! Start pose of the robot, its route, and the poses at which it stands still.
 
+use std::f64::consts::SQRT_2;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -115,15 +117,22 @@ pub struct Spread {
 }
 
 impl Scene {
+    /// Least distance of furniture from a stated place of the robot that is drawn within a tolerance along each axis. The corners of the square in
+    /// which the robot may then stand are farther from its middle than the sides.
+    pub(crate) fn furniture_distance_m(&self, tolerance_m: f64) -> f64 {
+        self.robot.body_radius_m + SQRT_2 * tolerance_m
+    }
+
     /// Adds the stations (poses at which the robot stands still) that the key `station_spread` demands.
     pub(crate) fn spread_stations(&mut self) {
         let Some(spread) = self.station_spread.clone() else { return };
-        let margin_m = self.robot.body_radius_m + spread.tolerance_m.unwrap_or(self.start.tolerance_m);
+        let tolerance_m = spread.tolerance_m.unwrap_or(self.start.tolerance_m);
+        let (margin_m, keep_m) = (self.robot.body_radius_m + tolerance_m, self.furniture_distance_m(tolerance_m));
         let extent_m = [self.room.width_m - 2.0 * margin_m, self.room.depth_m - 2.0 * margin_m];
         if extent_m.iter().any(|extent_m| *extent_m < 0.0) {
             return;
         }
-        let is_clear = |at_m: [f64; 2]| self.furniture.iter().all(|piece| piece.distance_m(at_m) >= margin_m);
+        let is_clear = |at_m: [f64; 2]| self.furniture.iter().all(|piece| piece.distance_m(at_m) >= keep_m);
         // A room may be so full of furniture that no pose is free, so the search ends after a thousand times as many poses as are wanted.
         let poses = (1..=1000 * spread.count as u64).map(|index| {
             let [across, along, around] = [2, 3, 5].map(|base| radical_inverse(index, base));

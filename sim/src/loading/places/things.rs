@@ -3,7 +3,7 @@
 use crate::{
     loading::parse::Contradiction,
     place::building::{Enclosure, Panel, enclosures, wall_panels},
-    scene::{Person, Scene},
+    scene::{Person, Scene, Station},
 };
 use nalgebra::Vector2;
 
@@ -66,23 +66,32 @@ fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Opti
     Some(format!("the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] comes too near to a wall, {margin}"))
 }
 
-/// Checks that no person stands where the robot is put down, as the physics would push each through the other from the first step on.
+/// Checks that no person stands where the robot may be put down, at the start or at a station, as the physics would push each through the other from
+/// the first step on.
 fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
-    // A scene with stations puts the robot elsewhere than at its start.
-    let at_m = person.waypoints_m.first().filter(|_| scene.stations.is_empty())?;
-    let (start, body_m) = (&scene.start, scene.robot.body_radius_m);
-    let away_m = (at_m[0] - start.x_m).hypot(at_m[1] - start.y_m);
-    let expected = || {
-        format!(
-            "[{}, {}] is in the robot's start, expected {} m of distance from [{}, {}], the radii of person and robot",
-            at_m[0],
-            at_m[1],
-            short(person.radius_m + body_m),
-            start.x_m,
-            start.y_m
-        )
+    let [x_m, y_m] = *person.waypoints_m.first()?;
+    let (start, keep_m) = (&scene.start, person.radius_m + scene.robot.body_radius_m);
+    let put_down = match scene.stations.is_empty() {
+        true => vec![("start", [start.x_m, start.y_m], start.tolerance_m)],
+        false => {
+            let tolerance_m = |station: &Station| station.tolerance_m.unwrap_or(start.tolerance_m);
+            scene.stations.iter().map(|at| ("station", [at.x_m, at.y_m], tolerance_m(at))).collect()
+        }
     };
-    (away_m < person.radius_m + body_m - ROUNDING_M).then(expected)
+    put_down.into_iter().find_map(|(name, at_m, tolerance_m)| {
+        // The robot may stand anywhere in a square about the stated place.
+        let away_m = [x_m - at_m[0], y_m - at_m[1]].map(|off_m| (off_m.abs() - tolerance_m).max(0.0));
+        let expected = || {
+            let drawn = if tolerance_m > 0.0 { format!("; the {name} is drawn within {tolerance_m} m") } else { String::new() };
+            format!(
+                "[{x_m}, {y_m}] is in the robot's {name}, expected {} m of distance from [{}, {}], the radii of person and robot{drawn}",
+                short(keep_m),
+                at_m[0],
+                at_m[1],
+            )
+        };
+        (away_m[0].hypot(away_m[1]) < keep_m - ROUNDING_M).then(expected)
+    })
 }
 
 /// The line along which a wall panel, a flat rectangular piece of a wall, stands on the floor.
