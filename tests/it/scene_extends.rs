@@ -108,7 +108,9 @@ fn a_mistake_is_named_and_underlined_in_the_file_in_which_it_stands() {
     let parts =
         ["`start.heading`: unknown key", "in base.toml, `room.depth_m = -2.0`: expected a number from 0.5 to 200"];
     let shown = assert_refused("places", &[("base.toml", &base), ("scene.toml", scene)], &parts);
-    for part in ["[scene.toml:4:1]", "heading = 3", "[base.toml:4:11]", "depth_m = -2.0", "Extent of the room along world y"] {
+    for part in
+        ["[scene.toml:4:1]", "heading = 3", "[base.toml:4:11]", "depth_m = -2.0", "Extent of the room along world y"]
+    {
         assert!(shown.contains(part), "{part}: {shown}");
     }
 }

@@ -82,13 +82,13 @@ fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
         // The robot may stand anywhere in a square about the stated place.
         let away_m = [x_m - at_m[0], y_m - at_m[1]].map(|off_m| (off_m.abs() - tolerance_m).max(0.0));
         let expected = || {
-            let drawn = if tolerance_m > 0.0 { format!("; the {name} is drawn within {tolerance_m} m") } else { String::new() };
-            format!(
-                "[{x_m}, {y_m}] is in the robot's {name}, expected {} m of distance from [{}, {}], the radii of person and robot{drawn}",
-                short(keep_m),
-                at_m[0],
-                at_m[1],
-            )
+            let [at_x_m, at_y_m] = at_m;
+            let apart = format!("expected {} m of distance from [{at_x_m}, {at_y_m}]", short(keep_m));
+            let drawn = match tolerance_m > 0.0 {
+                true => format!("; the {name} is drawn within {tolerance_m} m"),
+                false => String::new(),
+            };
+            format!("[{x_m}, {y_m}] is in the robot's {name}, {apart}, the radii of person and robot{drawn}")
         };
         (away_m[0].hypot(away_m[1]) < keep_m - ROUNDING_M).then(expected)
     })
