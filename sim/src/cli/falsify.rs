@@ -68,7 +68,7 @@ pub(super) struct FalsifyArguments {
 
 const AFTER_HELP: &str = "\
 Each case is a scene drawn at random from all that the schema of scenes allows, run in a process of its own. A scene that fails
-is reduced to the smallest one that fails in the same way, and written to DIR/found/ with the command that replays it.
+is reduced while it still fails in the same way, and written to DIR/found/ with the command that replays it.
 The kinds of failure:
   crash              the process ended early: a panic, an abort, or more than 3 GB of memory
   hang               the run took far more processor time than runs of similar scenes

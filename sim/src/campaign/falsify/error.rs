@@ -23,7 +23,7 @@ pub enum FalsifyError {
         /// Error that the operating system reported.
         source: io::Error,
     },
-    /// The child process in which a case runs reports that it cannot render.
+    /// The child process in which a case runs cannot render, or somebody outside the search interrupted it.
     #[error("run case {case}: {reason}")]
     CouldNotRun {
         /// Number of the case.
