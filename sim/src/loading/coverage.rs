@@ -138,14 +138,18 @@ fn search(
         && let Some(poses) = next(&mut boxes)
     {
         left -= 1;
-        let near: Rc<[Place]> = poses.near.iter().filter(|place| field.may_see(&poses, place)).copied().collect();
-        let sure = |poses: &Poses| near.iter().filter(|place| field.surely_sees(poses, place)).count();
+        let view = field.view_from(&poses);
+        let near: Rc<[Place]> = poses.near.iter().filter(|place| view.may_see(place)).copied().collect();
+        let sure = |poses: &Poses| {
+            let view = field.view_from(poses);
+            near.iter().filter(|place| view.surely_sees(place)).count()
+        };
         if sure(&poses) >= seen_at_once {
             continue;
         }
         let is_least = poses.half_m[0].max(poses.half_m[1]) < LEAST_M && poses.half_rad < LEAST_RAD;
         if is_least || sure(&poses.only_middle()) < seen_at_once {
-            let seen = near.iter().filter(|place| field.sees_without_errors(&poses.middle, place)).count();
+            let seen = near.iter().filter(|place| view.sees_without_errors(place)).count();
             if seen < seen_at_once {
                 return Some(poses.middle);
             }

@@ -22,10 +22,14 @@ pub struct Field {
     /// Inward unit normals of the planes through the optical centre and the image's edges, in the frame of an upright robot body without
     /// errors.
     edges: [Vector3<f64>; 4],
+    /// Lengths of the horizontal parts of these normals.
+    levels: [f64; 4],
     /// Sine of the greatest angle between the camera's true attitude and the nominal attitude that it has at a given heading of the robot.
     sin_tilt: f64,
     /// Optical centre of the camera in the robot frame: forward, left, and height.
     centre_m: [f64; 3],
+    /// Horizontal distance of the camera from the robot's origin, about which it moves in a circle when the robot turns.
+    aside_m: f64,
     /// Greatest horizontal distance of a point of a marker from the marker's middle on the map, including the error of the camera's
     /// position.
     reach_m: f64,
@@ -58,12 +62,15 @@ impl Field {
             1.5 * tolerance_m + height_m * tilt_rad.sin() + aside_m * (model.yaw_rad.radius() + tilt_rad * tilt_rad);
         let heaved_m = tolerance_m + robot.body.heave_m + aside_m * tilt_rad.sin() + markers.height_tolerance_m;
         let rise_m = scene.building.ceiling_height_m - height_m;
+        let edges = inward.map(|normal| known.body_from_camera.rotation * normal.normalize());
         let farthest_rad = left.max(right).hypot(top.max(bottom)).atan() + lean_rad(camera);
         Some(Field {
             farthest_m: aside_m + farthest_rad.min(MOST_RAD).tan() * rise_m.max(0.0),
-            edges: inward.map(|normal| known.body_from_camera.rotation * normal.normalize()),
+            edges,
+            levels: edges.map(|normal| normal.x.hypot(normal.y)),
             sin_tilt: (tilt_rad + model.tilt_rad).sin(),
             centre_m: [camera.forward_m, camera.left_m, height_m],
+            aside_m,
             reach_m: CORNER_M + DOT_RADIUS_M + markers.print_tolerance_m + markers.placement_tolerance_m + moved_m,
             rise_m: [heaved_m, heaved_m + height_m * tilt_rad * tilt_rad],
         })
@@ -74,68 +81,96 @@ impl Field {
         Field { reach_m: self.reach_m + by_m, ..self.clone() }
     }
 
-    /// Whether the whole of a marker is in the image from every pose of a box of robot poses, whatever the errors are within their
-    /// tolerances.
-    pub(crate) fn surely_sees(&self, poses: &Poses, place: &Place) -> bool {
-        let (along_m, rise_m) = self.seen_from(&poses.middle, place);
-        let half_m = poses.half_m[0].hypot(poses.half_m[1]);
-        // Distance of the camera from the robot's origin, about which it moves in a circle when the robot turns.
-        let aside_m = self.centre_m[0].hypot(self.centre_m[1]);
-        let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
-        let farthest_m = from_origin_m + half_m + aside_m;
-        if from_origin_m > half_m + self.farthest_m {
-            return false;
+    /// This field of view from a box of robot poses.
+    pub(super) fn view_from<'a>(&'a self, poses: &'a Poses) -> View<'a> {
+        View {
+            field: self,
+            poses,
+            sin_cos: poses.middle.heading_rad.sin_cos(),
+            half_m: poses.half_m[0].hypot(poses.half_m[1]),
         }
-        let turned_m = half_m + poses.half_rad * farthest_m;
-        let rises_m = [rise_m - self.rise_m[0], rise_m + self.rise_m[1]];
-        let tilted_m = self.sin_tilt * (farthest_m + self.reach_m).hypot(rises_m[1]);
-        self.edges.iter().all(|normal| {
-            let level = normal.x.hypot(normal.y);
-            let up_m = (normal.z * rises_m[0]).min(normal.z * rises_m[1]);
-            let at_middle_m = normal.x * along_m[0] + normal.y * along_m[1] - level * turned_m;
-            // Lower bound, for any heading, on the part of the marker's distance inside the image's edge that changes with the heading.
-            let at_worst_m = -level * farthest_m;
-            let level_m = if poses.has_all_headings() { at_worst_m } else { at_middle_m.max(at_worst_m) };
-            up_m + level_m - level * self.reach_m >= tilted_m + ROUNDING_M
-        })
     }
 
-    /// Whether a marker is near enough to a position of the robot's origin to be in the image at any heading.
+    /// Whether a marker is near enough to a position of the robot's origin to be in the image at any heading. One that is too far away by no more than
+    /// what rounding makes of the distance may pass.
     pub(super) fn reaches(&self, from_m: [f64; 2], place: &Place) -> bool {
-        (place[0] - from_m[0]).hypot(place[1] - from_m[1]) <= self.farthest_m
+        let off_m = [place[0] - from_m[0], place[1] - from_m[1]];
+        off_m[0] * off_m[0] + off_m[1] * off_m[1] <= self.farthest_m * self.farthest_m * (1.0 + 1e-12)
     }
 
     /// Whether the middle of a marker is in the image from a robot pose if there are no errors.
     pub fn sees_without_errors(&self, pose: &Pose, place: &Place) -> bool {
-        let (along_m, rise_m) = self.seen_from(pose, place);
-        self.edges.iter().all(|normal| {
+        self.view_from(&Poses::at(*pose)).sees_without_errors(place)
+    }
+
+    /// Whether a marker is surely in the image from a single robot pose, whatever the errors are within their tolerances.
+    pub fn surely_sees_from(&self, pose: &Pose, place: &Place) -> bool {
+        self.view_from(&Poses::at(*pose)).surely_sees(place)
+    }
+}
+
+/// A field of view from a box of robot poses, with what depends on the poses alone computed once for all markers.
+pub(super) struct View<'a> {
+    field: &'a Field,
+    poses: &'a Poses,
+    /// Sine and cosine of the heading in the middle of the box of poses.
+    sin_cos: (f64, f64),
+    /// Greatest distance of the robot's origin from where it is in the middle of the box of poses.
+    half_m: f64,
+}
+
+impl View<'_> {
+    /// Whether the whole of a marker is in the image from every pose of the box, whatever the errors are within their tolerances.
+    pub(super) fn surely_sees(&self, place: &Place) -> bool {
+        let (field, half_m) = (self.field, self.half_m);
+        let from_origin_m = self.origin_distance_m(place);
+        if from_origin_m > half_m + field.farthest_m {
+            return false;
+        }
+        let (along_m, rise_m) = self.seen(place);
+        let farthest_m = from_origin_m + half_m + field.aside_m;
+        let turned_m = half_m + self.poses.half_rad * farthest_m;
+        let rises_m = [rise_m - field.rise_m[0], rise_m + field.rise_m[1]];
+        let tilted_m = field.sin_tilt * (farthest_m + field.reach_m).hypot(rises_m[1]);
+        field.edges.iter().zip(field.levels).all(|(normal, level)| {
+            let up_m = (normal.z * rises_m[0]).min(normal.z * rises_m[1]);
+            let at_middle_m = normal.x * along_m[0] + normal.y * along_m[1] - level * turned_m;
+            // Lower bound, for any heading, on the part of the marker's distance inside the image's edge that changes with the heading.
+            let at_worst_m = -level * farthest_m;
+            let level_m = if self.poses.has_all_headings() { at_worst_m } else { at_middle_m.max(at_worst_m) };
+            up_m + level_m - level * field.reach_m >= tilted_m + ROUNDING_M
+        })
+    }
+
+    /// Whether the middle of a marker may be in the image from some pose of the box, if there are no errors.
+    pub(super) fn may_see(&self, place: &Place) -> bool {
+        let (along_m, rise_m) = self.seen(place);
+        let turned_m =
+            self.half_m + self.poses.half_rad * (self.origin_distance_m(place) + self.half_m + self.field.aside_m);
+        self.field.edges.iter().zip(self.field.levels).all(|(normal, level)| {
+            normal.x * along_m[0] + normal.y * along_m[1] + normal.z * rise_m + level * turned_m >= -ROUNDING_M
+        })
+    }
+
+    /// Whether the middle of a marker is in the image from the middle of the box, if there are no errors.
+    pub(super) fn sees_without_errors(&self, place: &Place) -> bool {
+        let (along_m, rise_m) = self.seen(place);
+        self.field.edges.iter().all(|normal| {
             let inside_m = normal.x * along_m[0] + normal.y * along_m[1] + normal.z * rise_m;
             inside_m >= 0.0
         })
     }
 
-    /// Whether a marker is surely in the image from a single robot pose, whatever the errors are within their tolerances.
-    pub fn surely_sees_from(&self, pose: &Pose, place: &Place) -> bool {
-        self.surely_sees(&Poses::at(*pose), place)
+    /// Horizontal distance of a marker from the robot's origin in the middle of the box.
+    fn origin_distance_m(&self, place: &Place) -> f64 {
+        (place[0] - self.poses.middle.x_m).hypot(place[1] - self.poses.middle.y_m)
     }
 
-    /// Whether the middle of a marker may be in the image from some pose of a box of robot poses, if there are no errors.
-    pub(crate) fn may_see(&self, poses: &Poses, place: &Place) -> bool {
-        let (along_m, rise_m) = self.seen_from(&poses.middle, place);
-        let half_m = poses.half_m[0].hypot(poses.half_m[1]);
-        let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
-        let turned_m = half_m + poses.half_rad * (from_origin_m + half_m + self.centre_m[0].hypot(self.centre_m[1]));
-        self.edges.iter().all(|normal| {
-            let level = normal.x.hypot(normal.y);
-            normal.x * along_m[0] + normal.y * along_m[1] + normal.z * rise_m + level * turned_m >= -ROUNDING_M
-        })
-    }
-
-    /// Vector from the camera's optical centre to a marker's middle, in the robot frame: forward and left, and upwards.
-    fn seen_from(&self, pose: &Pose, place: &Place) -> ([f64; 2], f64) {
-        let (sin, cos) = pose.heading_rad.sin_cos();
-        let (x_m, y_m) = (place[0] - pose.x_m, place[1] - pose.y_m);
-        let [forward_m, left_m, height_m] = self.centre_m;
+    /// Vector from the camera's optical centre to a marker's middle, in the robot frame of the box's middle: forward and left, and upwards.
+    fn seen(&self, place: &Place) -> ([f64; 2], f64) {
+        let (sin, cos) = self.sin_cos;
+        let (x_m, y_m) = (place[0] - self.poses.middle.x_m, place[1] - self.poses.middle.y_m);
+        let [forward_m, left_m, height_m] = self.field.centre_m;
         ([cos * x_m + sin * y_m - forward_m, cos * y_m - sin * x_m - left_m], place[2] - height_m)
     }
 }

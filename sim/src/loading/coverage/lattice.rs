@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use localizer::Pose;
 
-use super::{Field, Place, search};
+use super::{Field, Place, Poses, search};
 
 /// The task of a lattice of ceiling markers: where the robot can be, where markers may be, and how many the ceiling camera has to see.
 #[derive(Clone, Debug)]
@@ -77,7 +77,7 @@ const MOST: usize = 64;
 /// are found by bisection, tested on a sample of poses. Lattices that pass are then proven, the smallest first. A proof takes seconds in a
 /// large hall, and is not begun for a lattice with more markers than there are marker identities.
 pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> {
-    let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), Rim::new(&ceiling.reach_m));
+    let (narrowed, mut samples) = (field.narrowed(TO_SPARE_M), Samples::new(&ceiling.reach_m));
     let kinds = || {
         let between = [Between::Same, Between::Shifted, Between::Fewer, Between::More];
         [false, true].into_iter().flat_map(move |along_y| between.map(|between| (along_y, between)))
@@ -86,7 +86,7 @@ pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> 
         kinds().map(move |(along_y, between)| Lattice { between, along_y, n_rows, first: 0, inset: [0.0; 2] })
     };
     let mut candidates: Vec<(Lattice, Vec<Place>)> =
-        (1..=MOST).flat_map(of_rows).filter_map(|rows| rows.fewest(&narrowed, ceiling, &mut rim)).collect();
+        (1..=MOST).flat_map(of_rows).filter_map(|rows| rows.fewest(&narrowed, ceiling, &mut samples)).collect();
     candidates.sort_by_key(|(_, places)| places.len());
     let is_proven = |places: &Vec<Place>| search(field, places, &ceiling.reach_m, ceiling.seen_at_once, 0).is_none();
     let mut best: Option<Vec<Place>> = None;
@@ -103,7 +103,7 @@ pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> 
         // A proof is tried of each lattice as it is, and then with one more marker in its first row; if neither is proven, a longer search
         // is not worth its time.
         let proven = Some(places).filter(is_proven).or_else(|| {
-            let wider = Lattice { first: lattice.first + 1, ..lattice }.passing(&narrowed, ceiling, &mut rim);
+            let wider = Lattice { first: lattice.first + 1, ..lattice }.passing(&narrowed, ceiling, &mut samples);
             let too_many = wider.as_ref().map(Vec::len).filter(|n_markers| *n_markers > ceiling.most_markers);
             needed = needed.or(too_many);
             wider.filter(|places| places.len() < fewer_than && too_many.is_none()).filter(is_proven)
@@ -125,14 +125,14 @@ impl Lattice {
 
     /// This lattice with the smallest number of markers in its first row at which it passes the test on sample poses, and the positions of
     /// all its markers.
-    fn fewest(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<(Lattice, Vec<Place>)> {
+    fn fewest(self, field: &Field, ceiling: &Ceiling, samples: &mut Samples) -> Option<(Lattice, Vec<Place>)> {
         let of = |first| Lattice { first, ..self };
         let most = (1..=MOST).rev().find(|first| !of(*first).is_narrow(ceiling))?;
-        let mut found = of(most).passing(field, ceiling, rim)?;
+        let mut found = of(most).passing(field, ceiling, samples)?;
         let (mut failing, mut passing) = (0, most);
         while passing - failing > 1 {
             let middle = (failing + passing) / 2;
-            match of(middle).passing(field, ceiling, rim) {
+            match of(middle).passing(field, ceiling, samples) {
                 Some(places) => (found, passing) = (places, middle),
                 None => failing = middle,
             }
@@ -142,38 +142,38 @@ impl Lattice {
 
     /// Positions of the lattice's markers with the first of the tried distances to the edge at which the camera sees enough markers from
     /// all sample poses, both between four markers and along the rim of the robot's area.
-    fn passing(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<Vec<Place>> {
+    fn passing(self, field: &Field, ceiling: &Ceiling, samples: &mut Samples) -> Option<Vec<Place>> {
         let insets = INSETS.iter().flat_map(|along| INSETS.iter().map(move |across| [*along, *across]));
-        insets.map(|inset| Lattice { inset, ..self }).filter(|lattice| lattice.covers_inside(field, ceiling)).find_map(
-            |lattice| {
-                let places = lattice.places(ceiling);
-                rim.is_covered(field, &places, ceiling.seen_at_once).then_some(places)
-            },
-        )
+        insets.map(|inset| Lattice { inset, ..self }).find_map(|lattice| {
+            let (inside, seen_at_once) = (lattice.inside(ceiling), ceiling.seen_at_once);
+            // The samples that refuted lattices before are tried first, because they refute most others too, in far less time than all samples take.
+            if samples.inside.is_some_and(|sample| inside.is_refuted_by(sample, field, seen_at_once)) {
+                return None;
+            }
+            let places = lattice.places(ceiling);
+            if samples.refute_again(field, &places, seen_at_once) {
+                return None;
+            }
+            if let Some(sample) = inside.refuting(field, seen_at_once) {
+                samples.inside = Some(sample);
+                return None;
+            }
+            samples.rim_is_covered(field, &places, seen_at_once).then_some(places)
+        })
     }
 
-    /// Whether the camera sees enough markers of the lattice from sample poses far from all walls.
-    fn covers_inside(&self, field: &Field, ceiling: &Ceiling) -> bool {
-        const N: i32 = 6;
+    /// The part of the lattice far from all walls.
+    fn inside(&self, ceiling: &Ceiling) -> Inside {
         const REACH: i32 = 3;
         let axes = self.axes();
         let ([_, along_m], [_, across_m]) = self.spacing(ceiling);
+        let mut inside = Inside { places: Vec::new(), axes, spacing_m: [along_m, across_m] };
         let shifts = self.shifts();
-        let at = |along: f64, row: f64| {
-            let mut at_m = [0.0; 2];
-            (at_m[axes[0]], at_m[axes[1]]) = (along * along_m, row * across_m);
-            at_m
-        };
-        let mut places = Vec::new();
         for (row, n) in (-REACH..=REACH).flat_map(|row| (-REACH..=REACH).map(move |n| (row, n))) {
-            let [x_m, y_m] = at(f64::from(n) + shifts[row.rem_euclid(2) as usize], f64::from(row));
-            places.push([x_m, y_m, ceiling.height_m]);
+            let [x_m, y_m] = inside.at_m(f64::from(n) + shifts[row.rem_euclid(2) as usize], f64::from(row));
+            inside.places.push([x_m, y_m, ceiling.height_m]);
         }
-        (0..N * N).all(|cell| {
-            let [x_m, y_m] = at(f64::from(cell % N) / f64::from(N), f64::from(cell / N) / f64::from(N));
-            headings()
-                .all(|heading_rad| sees_enough(field, &places, &Pose { x_m, y_m, heading_rad }, ceiling.seen_at_once))
-        })
+        inside
     }
 
     /// Whether the lattice's markers are so much nearer to each other along a row than the rows are to each other that the lattice is not
@@ -228,7 +228,10 @@ impl Lattice {
 }
 
 fn sees_enough(field: &Field, places: &[Place], pose: &Pose, seen_at_once: usize) -> bool {
-    let seen = places.iter().filter(|place| field.surely_sees_from(pose, place));
+    let poses = Poses::at(*pose);
+    let view = field.view_from(&poses);
+    // A marker that is surely seen is seen without errors too, which is quicker to test and false of most markers.
+    let seen = places.iter().filter(|place| view.sees_without_errors(place) && view.surely_sees(place));
     seen.take(seen_at_once).count() == seen_at_once
 }
 
@@ -250,48 +253,112 @@ fn spread_over([from_m, to_m]: [f64; 2], spacings: f64, inset: f64) -> [f64; 2] 
     }
 }
 
-/// Sample poses of the robot along the rim of the area in which its origin can be.
-struct Rim {
-    places_m: Vec<[f64; 2]>,
-    /// Poses from which too few markers of lattices tested before were seen, the latest such pose first.
-    refuting: Vec<Pose>,
+/// The part of a lattice far from all walls: the markers around one of them, which is at the origin.
+struct Inside {
+    places: Vec<Place>,
+    /// World axes along a row and across the rows, and the spacing of the markers along each.
+    axes: [usize; 2],
+    spacing_m: [f64; 2],
 }
 
-impl Rim {
-    fn new(reach_m: &[[f64; 2]; 2]) -> Rim {
+/// A sample pose between four markers: its cell among the sample positions, and its heading.
+#[derive(Clone, Copy, Debug)]
+struct BetweenMarkers {
+    cell: i32,
+    heading_rad: f64,
+}
+
+impl Inside {
+    /// Number of sample positions between two markers, along a row and across the rows.
+    const N: i32 = 6;
+
+    /// World x and y of a point, given in units of the markers' spacing along a row and across the rows.
+    fn at_m(&self, along: f64, row: f64) -> [f64; 2] {
+        let mut at_m = [0.0; 2];
+        (at_m[self.axes[0]], at_m[self.axes[1]]) = (along * self.spacing_m[0], row * self.spacing_m[1]);
+        at_m
+    }
+
+    /// The position of a sample, and the markers that may be in view there at some heading, which are only few of all.
+    fn sample(&self, cell: i32, field: &Field) -> ([f64; 2], Vec<Place>) {
+        let at_m =
+            self.at_m(f64::from(cell % Self::N) / f64::from(Self::N), f64::from(cell / Self::N) / f64::from(Self::N));
+        (at_m, near(at_m, field, &self.places))
+    }
+
+    /// Whether the camera sees too few markers from a sample pose.
+    fn is_refuted_by(
+        &self,
+        BetweenMarkers { cell, heading_rad }: BetweenMarkers,
+        field: &Field,
+        seen_at_once: usize,
+    ) -> bool {
+        let ([x_m, y_m], near) = self.sample(cell, field);
+        !sees_enough(field, &near, &Pose { x_m, y_m, heading_rad }, seen_at_once)
+    }
+
+    /// A sample pose from which the camera sees too few markers; `None` if it sees enough from all of them.
+    fn refuting(&self, field: &Field, seen_at_once: usize) -> Option<BetweenMarkers> {
+        (0..Self::N * Self::N).find_map(|cell| {
+            let ([x_m, y_m], near) = self.sample(cell, field);
+            let is_refuting = |heading_rad: &f64| {
+                !sees_enough(field, &near, &Pose { x_m, y_m, heading_rad: *heading_rad }, seen_at_once)
+            };
+            headings().find(is_refuting).map(|heading_rad| BetweenMarkers { cell, heading_rad })
+        })
+    }
+}
+
+/// Sample poses along the rim of the area in which the robot's origin can be, and the samples that refuted lattices tested before.
+struct Samples {
+    rim_m: Vec<[f64; 2]>,
+    /// Poses along the rim from which too few markers of lattices tested before were seen, the latest such pose first.
+    at_rim: Vec<Pose>,
+    /// The sample between four markers that was the last to refute a lattice.
+    inside: Option<BetweenMarkers>,
+}
+
+impl Samples {
+    fn new(reach_m: &[[f64; 2]; 2]) -> Samples {
         const STEP_M: f64 = 0.2;
         let [x_m, y_m] = *reach_m;
-        let mut places_m = Vec::new();
+        let mut rim_m = Vec::new();
         for (axis, [from_m, to_m]) in reach_m.iter().copied().enumerate() {
             let n_steps = ((to_m - from_m) / STEP_M).ceil().max(1.0);
             for step in 0..=n_steps as usize {
                 let at_m = from_m + (to_m - from_m) * step as f64 / n_steps;
-                places_m.extend(if axis == 0 { y_m.map(|y_m| [at_m, y_m]) } else { x_m.map(|x_m| [x_m, at_m]) });
+                rim_m.extend(if axis == 0 { y_m.map(|y_m| [at_m, y_m]) } else { x_m.map(|x_m| [x_m, at_m]) });
             }
         }
-        Rim { places_m, refuting: Vec::new() }
+        Samples { rim_m, at_rim: Vec::new(), inside: None }
+    }
+
+    /// Whether one of the poses along the rim that refuted other lattices refutes this one too.
+    fn refute_again(&mut self, field: &Field, places: &[Place], seen_at_once: usize) -> bool {
+        let refutes = |pose: &Pose| !sees_enough(field, &near([pose.x_m, pose.y_m], field, places), pose, seen_at_once);
+        let found = self.at_rim.iter().position(refutes);
+        if let Some(at) = found {
+            self.at_rim[..=at].rotate_right(1);
+        }
+        found.is_some()
     }
 
     /// Whether the camera sees enough markers from all sample poses along the rim of the robot's area, at all headings tried.
-    fn is_covered(&mut self, field: &Field, places: &[Place], seen_at_once: usize) -> bool {
-        let near = |at_m: [f64; 2]| -> Vec<Place> {
-            places.iter().filter(|place| field.reaches(at_m, place)).copied().collect()
-        };
-        let refutes = |pose: &Pose, places: &[Place]| !sees_enough(field, places, pose, seen_at_once);
-        if let Some(at) = self.refuting.iter().position(|pose| refutes(pose, &near([pose.x_m, pose.y_m]))) {
-            self.refuting[..=at].rotate_right(1);
-            return false;
-        }
-        let found = self.places_m.iter().find_map(|[x_m, y_m]| {
-            // Markers too far away to be in view at any heading are left out, which leaves only few to test.
-            let near = near([*x_m, *y_m]);
+    fn rim_is_covered(&mut self, field: &Field, places: &[Place], seen_at_once: usize) -> bool {
+        let found = self.rim_m.iter().find_map(|[x_m, y_m]| {
+            let near = near([*x_m, *y_m], field, places);
             let mut poses = headings().map(|heading_rad| Pose { x_m: *x_m, y_m: *y_m, heading_rad });
-            poses.find(|pose| refutes(pose, &near))
+            poses.find(|pose| !sees_enough(field, &near, pose, seen_at_once))
         });
         if let Some(pose) = found {
-            self.refuting.insert(0, pose);
-            self.refuting.truncate(REMEMBERED);
+            self.at_rim.insert(0, pose);
+            self.at_rim.truncate(REMEMBERED);
         }
         found.is_none()
     }
+}
+
+/// Markers near enough to a position of the robot's origin to be in view at some heading, which are only few of all.
+fn near(at_m: [f64; 2], field: &Field, places: &[Place]) -> Vec<Place> {
+    places.iter().filter(|place| field.reaches(at_m, place)).copied().collect()
 }
