@@ -3,7 +3,7 @@
 //! ```text
 //! scenes/x.toml ─> Scene ─> World ─> Truth ─> Sensors (+ Renderer) ─> Readings ─> Subject ───> Answer
 //!                             ^                                                                   │
-//!                             └──────────── WheelCommand <── Driver <─────────────────────────────┤
+//!                             └──────────── DriveCommand <── Driver <─────────────────────────────┤
 //!                  run(): RunRecord { Truth, Answer } ─> judge() ─> Verdict ─> artefacts
 //! ```
 //!

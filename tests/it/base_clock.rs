@@ -16,7 +16,7 @@ const STAMP_ERROR_S: f64 = 0.02;
 /// A robot whose wheel readings give its motion exactly, on a mobile base whose stamps are off by up to `stamp_error_s`.
 fn robot(stamp_error_s: f64) -> Scene {
     let robot = serde_json::json!({
-        "floor_camera": false, "wheel_radius_tolerance": 0.0, "track_tolerance": 0.0,
+        "floor_camera": false, "base": { "wheel_radius_tolerance": 0.0, "track_tolerance": 0.0 },
         "delivery": { "stamp_tolerance_s": stamp_error_s }, "encoders": { "ticks_per_turn": 1_000_000 },
     });
     let bounds = serde_json::json!({

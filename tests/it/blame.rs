@@ -526,7 +526,7 @@ fn a_run_by_its_own_commands_is_the_same_run() {
 #[test]
 fn a_wheel_worn_beyond_its_bound_is_to_blame_by_what_it_should_have_been() {
     let (mut scene, _) = drive("");
-    scene.robot.wheel_wear = [0.05, 0.0];
+    scene.robot.base.wheel_wear = [0.05, 0.0];
     let record = run(&scene, 3, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(&scene, &record);
     let first = verdict.containment.as_ref().unwrap().first_failure.as_ref().unwrap();

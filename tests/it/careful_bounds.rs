@@ -34,7 +34,7 @@ fn what_a_scene_states_stays_and_all_else_is_a_careful_users() {
     assert_eq!(scene.floor.tiles.as_ref().unwrap().laying_tolerance_m, 0.003);
     assert!(scene.robot.gyro.is_none() && scene.robot.flow.is_none() && scene.robot.forward_camera.is_none());
     // Keys of the scene that are no tolerances are unchanged by the choice of bounds: camera height and track are still those of the P3-DX robot.
-    assert_eq!((camera.height_m, scene.robot.track_m), (0.25, 0.33));
+    assert_eq!((camera.height_m, scene.robot.base.track_m), (0.25, 0.33));
 
     let throughout = parse(THROUGHOUT, stated);
     assert_eq!(throughout.robot.floor_camera.unwrap().yaw_tolerance_deg, 0.3);
@@ -48,7 +48,7 @@ fn each_device_that_a_scene_or_its_preset_has_is_careful_and_no_other_one() {
     assert_eq!(fitted.robot.gyro.unwrap().scale_tolerance, 0.01);
     assert_eq!(fitted.robot.range_camera.unwrap().column_noise_px, 0.3);
     let vacuum = parse(CAREFUL, "[robot]\npreset = \"vacuum\"\n").robot;
-    assert!(vacuum.floor_camera.is_none() && vacuum.track_m == 0.23);
+    assert!(vacuum.floor_camera.is_none() && vacuum.base.track_m == 0.23);
     assert_eq!((vacuum.gyro.unwrap().noise_redrawn, vacuum.flow.unwrap().scale_tolerance), (false, 0.03));
 }
 

@@ -3,7 +3,7 @@
 use sim::{
     scene::Scene,
     truth::Truth,
-    world::{Drawn, WheelCommand, World},
+    world::{Drawn, World},
 };
 
 use crate::world_setup::{command, hold, nominal, nominal_world, scene};
@@ -25,21 +25,13 @@ fn on_carpet(heading_deg: f64, keys: serde_json::Value) -> Scene {
     }))
 }
 
-/// Speeds of the two wheels of a vacuum robot with nominal dimensions that make it drive with the given speed and turn rate.
-fn vacuum_command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
-    let half_turn_m_per_s = 0.5 * 0.23 * turn_rad_per_s;
-    WheelCommand {
-        speed_rad_per_s: [(speed_m_per_s - half_turn_m_per_s) / 0.035, (speed_m_per_s + half_turn_m_per_s) / 0.035],
-    }
-}
-
 /// Drives straight ahead, accelerating for a second, and returns the true states before and after the drive at constant speed.
 fn cruise(world: &mut World, speed_m_per_s: f64, lasts_s: f64) -> (Truth, Truth) {
     for step in 0..1000 {
-        world.step(vacuum_command(speed_m_per_s * f64::from(step) / 1000.0, 0.0));
+        world.step(command(speed_m_per_s * f64::from(step) / 1000.0, 0.0));
     }
-    let before = hold(world, vacuum_command(speed_m_per_s, 0.0), 0.5);
-    (before, hold(world, vacuum_command(speed_m_per_s, 0.0), lasts_s))
+    let before = hold(world, command(speed_m_per_s, 0.0), 0.5);
+    (before, hold(world, command(speed_m_per_s, 0.0), lasts_s))
 }
 
 fn rolled_m(before: &Truth, after: &Truth) -> f64 {
@@ -108,11 +100,11 @@ fn a_robot_climbs_onto_a_carpet_and_down_again() {
     let mut world = nominal_world(&scene);
     let (before, mut greatest_tilt_rad, mut on_top) = (world.truth(), 0.0_f64, None);
     while world.truth().pose.x_m < 4.6 && world.truth().time_s < 30.0 {
-        let truth = world.step(vacuum_command(0.2, 0.0));
+        let truth = world.step(command(0.2, 0.0));
         greatest_tilt_rad = greatest_tilt_rad.max(truth.tilt_rad[1].abs());
         on_top = on_top.or((truth.pose.x_m > 3.3).then_some(truth));
     }
-    let (on_top, after) = (on_top.unwrap(), hold(&mut world, vacuum_command(0.0, 0.0), 1.0));
+    let (on_top, after) = (on_top.unwrap(), hold(&mut world, command(0.0, 0.0), 1.0));
     assert!((on_top.heave_m - height_m).abs() < 5e-5 && on_top.tilt_rad[1].abs() < 1e-3, "{on_top:?}");
     assert!(after.heave_m.abs() < 1e-6, "{after:?}");
     // The tilt is greatest with one caster on the rug and the other, 0.272 m away, off it.
@@ -134,13 +126,12 @@ fn with_event(event: serde_json::Value) -> Scene {
 fn a_blocked_wheel_is_what_the_robot_turns_about() {
     let event = serde_json::json!({ "kind": "stuck_wheel", "at_s": 2.0, "wheel": "left", "lasts_s": 2.0 });
     let mut world = nominal_world(&with_event(event));
-    let (before, stuck) =
-        (hold(&mut world, vacuum_command(0.2, 0.0), 2.5), hold(&mut world, vacuum_command(0.2, 0.0), 1.0));
+    let (before, stuck) = (hold(&mut world, command(0.2, 0.0), 2.5), hold(&mut world, command(0.2, 0.0), 1.0));
     assert_eq!(before.wheel_angle_rad[0], stuck.wheel_angle_rad[0]);
     let turned_rad = stuck.pose.heading_rad - before.pose.heading_rad;
     assert!((turned_rad / (0.2 / 0.23) - 1.0).abs() < 0.02, "turned {turned_rad} rad in a second");
     assert!((stuck.wheel_travel_m[0] - before.wheel_travel_m[0]).abs() < 1e-3, "{stuck:?}");
-    let freed = hold(&mut world, vacuum_command(0.2, 0.0), 1.5);
+    let freed = hold(&mut world, command(0.2, 0.0), 1.5);
     assert!(freed.velocity[0] > 0.19 && freed.velocity[2].abs() < 0.01, "{freed:?}");
 }
 
@@ -149,8 +140,8 @@ fn a_spinning_wheel_rolls_on_without_taking_the_robot_along() {
     let event =
         serde_json::json!({ "kind": "stuck_wheel", "at_s": 1.0, "wheel": "right", "how": "spinning", "lasts_s": 2.0 });
     let mut world = nominal_world(&with_event(event));
-    let before = hold(&mut world, vacuum_command(0.0, 0.5), 1.2);
-    let after = hold(&mut world, vacuum_command(0.3, 0.0), 1.5);
+    let before = hold(&mut world, command(0.0, 0.5), 1.2);
+    let after = hold(&mut world, command(0.3, 0.0), 1.5);
     let rolled_m = 0.035 * (after.wheel_angle_rad[1] - before.wheel_angle_rad[1]);
     let travelled_m = after.wheel_travel_m[1] - before.wheel_travel_m[1];
     assert!(rolled_m > 0.35 && rolled_m - travelled_m > 0.05, "rolled {rolled_m} m, travelled {travelled_m} m");
@@ -162,8 +153,8 @@ fn a_lifted_robot_is_put_down_where_and_as_hands_want() {
         "kind": "lift", "at_s": 1.0, "displacement_m": [0.1, -0.05], "turn_deg": 20.0, "lasts_s": 1.5,
     });
     let mut world = nominal_world(&with_event(event));
-    let before = hold(&mut world, vacuum_command(0.2, 0.0), 1.0);
-    let highest_m = (0..1500).map(|_| world.step(vacuum_command(0.2, 0.0)).heave_m).fold(0.0, f64::max);
+    let before = hold(&mut world, command(0.2, 0.0), 1.0);
+    let highest_m = (0..1500).map(|_| world.step(command(0.2, 0.0)).heave_m).fold(0.0, f64::max);
     let after = world.truth();
     assert!((0.05..0.07).contains(&highest_m), "{highest_m} m");
     let moved_m = [after.pose.x_m - before.pose.x_m, after.pose.y_m - before.pose.y_m];
@@ -171,7 +162,7 @@ fn a_lifted_robot_is_put_down_where_and_as_hands_want() {
     let turned_deg = (after.pose.heading_rad - before.pose.heading_rad).to_degrees();
     assert!((turned_deg - 20.0).abs() < 0.3, "{turned_deg}°");
     assert!(0.035 * (after.wheel_angle_rad[0] - before.wheel_angle_rad[0]) > 0.25, "the wheels stood in the air");
-    let on = hold(&mut world, vacuum_command(0.2, 0.0), 1.0);
+    let on = hold(&mut world, command(0.2, 0.0), 1.0);
     assert!(on.heave_m.abs() < 1e-5 && (on.velocity[0] - 0.2).abs() < 1e-3, "{on:?}");
 }
 
@@ -209,7 +200,7 @@ fn a_restored_snapshot_goes_on_with_the_same_bytes() {
         ],
     }));
     let bits = |world: &mut World| -> Vec<u64> {
-        let truth = world.step(vacuum_command(0.3, 0.05));
+        let truth = world.step(command(0.3, 0.05));
         let pose = truth.pose.to_array();
         let more =
             [truth.heave_m, truth.tilt_rad[0], truth.tilt_rad[1], truth.wheel_angle_rad[0], truth.wheel_angle_rad[1]];
@@ -243,11 +234,11 @@ fn square(scene: &Scene, drawn: &Drawn, turn: f64) -> [f64; 2] {
             let speed = (time_s / rise_s).min((2.0 * rise_s + hold_s - time_s) / rise_s).clamp(0.0, 1.0) * peak_m_per_s;
             let speed = speed.min(((longest_m - told) / 0.001).max(0.0));
             told += speed * 0.001;
-            let wheel = |way_m: f64| way_m / longest_m * speed / robot.wheel_radius_m;
-            world.step(WheelCommand { speed_rad_per_s: [wheel(left_m), wheel(right_m)] });
+            let wheel = |way_m: f64| way_m / longest_m * speed / robot.base.wheel_radius_m;
+            world.step_wheels([wheel(left_m), wheel(right_m)]);
         }
     };
-    let quarter_m = turn * std::f64::consts::FRAC_PI_2 * 0.5 * robot.track_m;
+    let quarter_m = turn * std::f64::consts::FRAC_PI_2 * 0.5 * robot.base.track_m;
     for _ in 0..4 {
         roll(4.0, 4.0);
         roll(-quarter_m, quarter_m);

@@ -138,7 +138,7 @@ fn an_undeclared_carpet_breaks_the_slip_bound_and_no_other_guarantee() {
 #[test]
 fn worn_wheels_and_a_conventional_flow_sensor_break_their_own_bounds() {
     let mut worn = led_round(serde_json::json!([]), serde_json::json!([]), true);
-    worn.robot.wheel_wear = [0.0, 0.01];
+    worn.robot.base.wheel_wear = [0.0, 0.01];
     let (verdict, _) = judged(&worn, 0);
     assert!(verdict.violations.iter().any(|violation| violation.bound == "wheels.radius"), "{:?}", verdict.violations);
     assert_eq!(

@@ -14,6 +14,17 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     path
 }
 
+/// A folder for one test alone with these files in it, each with its path and its text.
+pub(crate) fn folder_of(name: &str, texts: &[(&str, &str)]) -> PathBuf {
+    let folder = folder(name);
+    for (file, text) in texts {
+        let path = folder.join(file);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
 /// The root folder of the repository.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()

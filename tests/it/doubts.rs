@@ -240,7 +240,7 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_e
     // nobody has measured.
     let mut scene = scene("papers/ir_markers_lab.toml");
     scene.duration_s = 14.0;
-    scene.robot.wheel_wear = [0.05, 0.0];
+    scene.robot.base.wheel_wear = [0.05, 0.0];
     let (record, verdict) = judged(&scene, 0);
     let (containment, spans) = (verdict.containment.as_ref().unwrap(), spans_outside(&record));
     let doubts =
@@ -268,7 +268,7 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_e
 #[test]
 fn wheels_that_are_wrong_all_the_time_are_found_out_by_landmarks_before_the_truth_is_outside() {
     let mut scene = scene("papers/rigid_transform_loop.toml");
-    (scene.duration_s, scene.robot.wheel_wear) = (10.0, [0.05, 0.0]);
+    (scene.duration_s, scene.robot.base.wheel_wear) = (10.0, [0.05, 0.0]);
     let record = run(&scene, 0, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(&scene, &record);
     let containment = verdict.containment.as_ref().unwrap();

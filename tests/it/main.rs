@@ -108,6 +108,8 @@ mod world_drawn;
 mod scene_refusals;
 /// Tests of scenes that extend other scenes: the keys that result, what is refused, and recordings that can be replayed without the extended scene.
 mod scene_extends;
+/// Tests of keys that have moved: refused with their new names, and rewritten by `wherein upgrade`.
+mod upgrade;
 /// Tests of the key `[expect]`, which states what a run must achieve.
 mod scene_expectations;
 /// Tests of the command line other than refusals: exit codes, output, replay, and resuming after an interruption.

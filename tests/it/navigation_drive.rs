@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use interval::Interval;
 use localizer::{Estimate, Pose, PoseUnion, Status};
 use sim::{
+    base::DriveCommand,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},
     judge::{Verdict, distance_to_way_m},
     place::Bystander,
@@ -12,7 +13,7 @@ use sim::{
     scene::Scene,
     subject::IntervalLocalizer,
     truth::Truth,
-    world::{Drawn, WheelCommand, World},
+    world::{Drawn, World},
 };
 
 use crate::judging::verdict_of;
@@ -169,7 +170,7 @@ fn without_a_pose_the_driver_stands() {
     let mut driver = ErrandDriver::new(&scene, &[]);
     for step in 0..800 {
         let nowhere = Estimate { pose: PoseUnion::default(), ..estimate(&Truth::default()) };
-        assert_eq!(driver.command(&nowhere, None, f64::from(step) * 0.01), WheelCommand::default());
+        assert_eq!(driver.command(&nowhere, None, f64::from(step) * 0.01), DriveCommand::default());
     }
 }
 

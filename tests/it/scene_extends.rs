@@ -6,17 +6,11 @@ use sim::{
     scene::{Scene, schema_text},
 };
 
-use crate::command::{blind_scene, folder, outcome, root, wherein};
+use crate::command::{blind_scene, folder_of, outcome, root, wherein};
 
 /// Writes files into a folder for this test, whose name `test` is part of the folder's name.
 fn files(test: &str, texts: &[(&str, &str)]) -> std::path::PathBuf {
-    let folder = folder(&format!("extends_{test}"));
-    for (name, text) in texts {
-        let path = folder.join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, text).unwrap();
-    }
-    folder
+    folder_of(&format!("extends_{test}"), texts)
 }
 
 fn loaded(path: &Path) -> Scene {

@@ -18,7 +18,10 @@ use crate::{
 /// A drive straight on from an exactly known start: both wheel radii are 1 % off, and 0.8 % of slip is declared in addition.
 fn cornered(more: &str) -> (Scene, RunRecord) {
     let text = blind_scene(6.0, &format!("[bounds]\nslip_ratio = 0.008\n[localizer]\nmethods = []\n{more}"))
-        .replace("floor_camera = false", "floor_camera = false\nerrors = \"corner\"\nwheel_radius_tolerance = 0.01")
+        .replace(
+            "floor_camera = false",
+            "floor_camera = false\nerrors = \"corner\"\nbase.wheel_radius_tolerance = 0.01",
+        )
         .replace("x_m = 0.6\ny_m = 0.6", "x_m = 0.6\ny_m = 0.6\ntolerance_m = 0.0\ntolerance_deg = 0.0")
         .replace("y_m = 1.2", "y_m = 0.6");
     let scene = Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));

@@ -3,6 +3,7 @@
 
 use localizer::{Estimate, PoseUnion, Status};
 use sim::{
+    base::DriveCommand,
     driver::Driver,
     scene::{Bounds, Scene},
     truth::Truth,
@@ -180,7 +181,7 @@ fn without_a_route_or_an_estimate_the_robot_stands() {
     let nowhere = Estimate { pose: PoseUnion::default(), ..estimate(&Truth::default()) };
     for step in 0..200 {
         let time_s = f64::from(step) * 0.01;
-        assert_eq!(driver.command(&nowhere, time_s).speed_rad_per_s, [0.0, 0.0]);
+        assert_eq!(driver.command(&nowhere, time_s), DriveCommand::default());
     }
-    assert_eq!(driver.command(&estimate(&Truth::default()), 2.0).speed_rad_per_s, [0.0, 0.0]);
+    assert_eq!(driver.command(&estimate(&Truth::default()), 2.0), DriveCommand::default());
 }

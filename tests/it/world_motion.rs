@@ -1,6 +1,6 @@
 //! Motion of the simulated robot against closed forms: at rest, straight on and in a circle; and the consistency of its true state.
 
-use sim::world::{Drawn, WheelCommand, World};
+use sim::world::{Drawn, World};
 
 use crate::world_setup::{command, gather_speed, hold, nominal, nominal_world, scene};
 
@@ -180,17 +180,17 @@ fn light_and_heavy_robots_stand_and_drive() {
         [(0.5, 0.05, 0.01, 0.08), (3.0, 0.17, 0.035, 0.23), (200.0, 0.6, 0.2, 0.9)]
     {
         let robot = serde_json::json!({
-            "mass_kg": mass_kg, "body_radius_m": body_radius_m, "wheel_radius_m": wheel_radius_m, "track_m": track_m,
+            "mass_kg": mass_kg, "body_radius_m": body_radius_m,
+            "base": { "wheel_radius_m": wheel_radius_m, "track_m": track_m },
         });
         let mut world = nominal_world(&scene(serde_json::json!({ "robot": robot })));
         let stood = hold(&mut world, command(0.0, 0.0), 2.0);
         assert!((stood.pose.x_m - 1.5).hypot(stood.pose.y_m - 3.0) < 1e-9, "{mass_kg} kg: {stood:?}");
-        let wheel = |speed_m_per_s: f64| WheelCommand { speed_rad_per_s: [speed_m_per_s / wheel_radius_m; 2] };
         for step in 0..800 {
-            world.step(wheel(0.0005 * f64::from(step)));
+            world.step(command(0.0005 * f64::from(step), 0.0));
         }
-        let before = hold(&mut world, wheel(0.4), 0.5);
-        let after = hold(&mut world, wheel(0.4), 2.0);
+        let before = hold(&mut world, command(0.4, 0.0), 0.5);
+        let after = hold(&mut world, command(0.4, 0.0), 2.0);
         let rolled_m = wheel_radius_m * (after.wheel_angle_rad[0] - before.wheel_angle_rad[0]);
         let ratio = (after.pose.x_m - before.pose.x_m) / rolled_m;
         assert!((rolled_m - 0.8).abs() < 1e-3 && (ratio - 1.0).abs() < 50e-6, "{mass_kg} kg: {ratio} of {rolled_m} m");

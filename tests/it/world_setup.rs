@@ -3,11 +3,12 @@
 use interval::Interval;
 use localizer::{Estimate, PoseBox, PoseUnion, Reading, Status, bounds};
 use sim::{
+    base::DriveCommand,
     devices::{Observation, flow::FlowSensor, gyro::GyroSensor, range_camera::RangeCameraSensor},
     driver::Driver,
     scene::Scene,
     truth::Truth,
-    world::{Drawn, WheelCommand, World},
+    world::{Drawn, World},
 };
 
 /// Scene of a P3-DX in an 8 × 6 m room that faces along world x from (1.5, 3), with more keys of the scene's top level.
@@ -32,21 +33,18 @@ pub(crate) fn nominal_world(scene: &Scene) -> World {
 pub(crate) fn nominal(scene: &Scene) -> Drawn {
     let mut drawn = Drawn::draw(scene, 0);
     drawn.start = scene.nominal_start();
-    drawn.base.wheel_radius_m = [scene.robot.wheel_radius_m; 2];
-    drawn.base.track_m = scene.robot.track_m;
+    drawn.base.wheel_radius_m = [scene.robot.base.wheel_radius_m; 2];
+    drawn.base.track_m = scene.robot.base.track_m;
     drawn
 }
 
-/// Wheel speeds of a nominal P3-DX for a motion of the middle of its axle.
-pub(crate) fn command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
-    let half_turn_m_per_s = 0.5 * 0.33 * turn_rad_per_s;
-    WheelCommand {
-        speed_rad_per_s: [(speed_m_per_s - half_turn_m_per_s) / 0.0975, (speed_m_per_s + half_turn_m_per_s) / 0.0975],
-    }
+/// A commanded motion of the middle of the axle.
+pub(crate) fn command(speed_m_per_s: f64, turn_rad_per_s: f64) -> DriveCommand {
+    DriveCommand { speed_m_per_s, turn_rad_per_s }
 }
 
-/// Steps a world under one constant wheel command and returns the last true state.
-pub(crate) fn hold(world: &mut World, command: WheelCommand, lasts_s: f64) -> Truth {
+/// Steps a world under one constant drive command and returns the last true state.
+pub(crate) fn hold(world: &mut World, command: DriveCommand, lasts_s: f64) -> Truth {
     for _ in 0..(lasts_s * 1000.0).round() as usize {
         world.step(command);
     }

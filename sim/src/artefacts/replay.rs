@@ -15,6 +15,7 @@ use crate::{
         },
         run_files::estimates_digest,
     },
+    loading::upgraded,
     scene::{Scene, SceneError},
     subject::{Answer, IntervalLocalizer, Subject},
 };
@@ -83,7 +84,9 @@ impl Replayer<'_> {
             Part::Scene(text) => {
                 if self.subject.is_none() {
                     let file = format!("scene.toml in {}", self.path.display());
-                    let scene = Scene::parse_beside(text, &file, None)?;
+                    // The scene of an older recording is rewritten for this version. One that cannot be is refused with what is wrong in it.
+                    let text = upgraded(text).map_or_else(|_| text.to_owned(), |upgraded| upgraded.text);
+                    let scene = Scene::parse_beside(&text, &file, None)?;
                     let localizer = IntervalLocalizer::of(&scene);
                     self.subject = Some((scene, localizer));
                 }

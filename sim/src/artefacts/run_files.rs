@@ -122,15 +122,27 @@ pub(crate) fn replace_whole(
 pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), RecordError> {
     naming("create the folder", folder, fs::create_dir_all(folder))?;
     for (name, text) in [("estimate.tum", poses::estimate_tum(estimates)), ("boxes.csv", poses::boxes_csv(estimates))] {
-        let (path, partial) = (folder.join(name), folder.join(format!(".{name}-{}{PARTIAL}", process::id())));
-        let written = naming("write", &partial, fs::write(&partial, text))
-            .and_then(|()| naming("create", &path, fs::rename(&partial, &path)));
-        if written.is_err() {
-            let _ = fs::remove_file(&partial);
-            return written;
-        }
+        replace_file(&folder.join(name), &text)?;
     }
     Ok(())
+}
+
+/// Puts a text in the place of the file `path`, which need not exist: completely or, when that fails, not at all. A file that exists keeps its
+/// permissions.
+pub(crate) fn replace_file(path: &Path, text: &str) -> Result<(), RecordError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let partial = path.with_file_name(format!(".{name}-{}{PARTIAL}", process::id()));
+    let written = naming("write", &partial, fs::write(&partial, text)).and_then(|()| {
+        if let Ok(before) = fs::metadata(path) {
+            naming("keep the permissions of", path, fs::set_permissions(&partial, before.permissions()))?;
+        }
+        naming("create", path, fs::rename(&partial, path))
+    });
+    if written.is_err() {
+        // The error that is returned says what is wrong.
+        let _ = fs::remove_file(&partial);
+    }
+    written
 }
 
 /// Reads the summary and the timing that a run left in `folder`; `None` when there is no summary.

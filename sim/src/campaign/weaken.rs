@@ -54,7 +54,7 @@ impl Lost {
     }
 }
 
-/// Simulates a recorded run again, with the recorded wheel commands and the values that were drawn at random for it, while the localizer is given
+/// Simulates a recorded run again, with the recorded drive commands and the values that were drawn at random for it, while the localizer is given
 /// 0.9, 0.8, … 0.1 of every bound that the scene declares, until it loses the truth. The box of start poses is given unchanged. `progress` is called
 /// with the share of the bounds and the simulated time.
 ///

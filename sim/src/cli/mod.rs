@@ -30,6 +30,7 @@ mod run;
 mod scenes_and_seeds;
 mod sweep;
 mod table;
+mod upgrade;
 mod weaken;
 
 use error::CommandError;
@@ -62,6 +63,7 @@ Examples:
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording
   wherein markers scenes/x.toml                                   a printable sheet and the map of its markers
   wherein scene scenes/x.toml                                     the scene with all that it extends, as one text
+  wherein upgrade scenes/x.toml                                   a scene of an older version, rewritten for this one
   wherein schema > scenes/schema.json                             for editors that complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -95,6 +97,8 @@ enum Command {
     Map(map::MapArguments),
     /// Prints a scene as one text, with all that it extends and all keys that are set.
     Scene(SceneArguments),
+    /// Rewrites scene files of an older version in place, where keys have moved since.
+    Upgrade(upgrade::UpgradeArguments),
     /// Prints the JSON schema of scene files.
     Schema {
         /// Print a readable page of all keys instead of the JSON schema.
@@ -144,6 +148,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Upgrade(arguments) => upgrade::upgrade(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Scene(arguments) => print_scene(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => manual::completions(shell).map(|()| ExitCode::SUCCESS),
         Command::Man { out } => manual::manual(out.as_deref()).map(|()| ExitCode::SUCCESS),

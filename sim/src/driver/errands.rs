@@ -3,10 +3,10 @@
 use localizer::{Estimate, Pose, PoseBox, Status};
 
 use crate::{
+    base::DriveCommand,
     devices::proximity::Fan,
     place::navigation::{OccupancyGrid, Planner},
     scene::{Navigation, Scene},
-    world::WheelCommand,
 };
 
 use super::{
@@ -125,8 +125,8 @@ impl ErrandDriver {
         }
     }
 
-    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S), by the localizer's estimate and the proximity sensor's latest reading.
-    pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> WheelCommand {
+    /// The motion that the base is commanded for the next [`PERIOD_S`](super::PERIOD_S), by the localizer's estimate and the proximity sensor's latest reading.
+    pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> DriveCommand {
         let hull = estimate.pose.hull();
         if !hull.is_empty() {
             let [x_m, y_m, heading_rad] = hull.midpoint();

@@ -1,4 +1,4 @@
-//! The driver: turns the localizer's estimates into wheel commands, along the scene's route or on errands by paths that it plans itself.
+//! The driver: turns the localizer's estimates into drive commands (speed and turn rate), along the scene's route or on errands by paths that it plans itself.
 //!
 //! On a route the driver steers by the estimated pose: pure pursuit along the polyline, with stops and turns in place where the route asks
 //! for them. It is given estimates only, never the true pose, so that a robot with a wrong estimate drives as such a robot would. On
@@ -6,7 +6,7 @@
 
 use localizer::{Estimate, Pose, Status};
 
-use crate::{scene::Scene, world::WheelCommand};
+use crate::{base::DriveCommand, scene::Scene};
 
 mod caution;
 mod errands;
@@ -117,15 +117,15 @@ impl Driver {
             speed: Ramp::new(acceleration_m_per_s2, JERK_RISE_S),
             // In a turn the wheels accelerate half as hard as straight on, because a tyre may have to bear both accelerations at once, and
             // because at the end of a turn the tyres' rubber swings from full braking to nothing without rolling on.
-            turn: Ramp::new(acceleration_m_per_s2 / robot.track_m, JERK_RISE_S),
+            turn: Ramp::new(acceleration_m_per_s2 / robot.base.track_m, JERK_RISE_S),
             caution: Caution::new(scene),
             pose: scene.nominal_start(),
             progress: Progress { left_m: f64::INFINITY, at_s: 0.0 },
         }
     }
 
-    /// The wheel speeds for the next [`PERIOD_S`], by the localizer's estimate.
-    pub fn command(&mut self, estimate: &Estimate, time_s: f64) -> WheelCommand {
+    /// The motion that the base is commanded for the next [`PERIOD_S`], by the localizer's estimate.
+    pub fn command(&mut self, estimate: &Estimate, time_s: f64) -> DriveCommand {
         let hull = estimate.pose.hull();
         if !hull.is_empty() {
             let [x_m, y_m, heading_rad] = hull.midpoint();
@@ -151,15 +151,11 @@ impl Driver {
         self.scene.route.as_ref().is_some_and(|route| time_s < route.begins_s)
     }
 
-    /// Wheel speeds that approach the wanted speed and turn rate as fast as the tyres should bear.
-    fn actuate(&mut self, wish: Wish) -> WheelCommand {
-        let robot = &self.scene.robot;
-        let speed_m_per_s = self.speed.follow(wish.speed_m_per_s, PERIOD_S);
-        let turn_rad_per_s = self.turn.follow(wish.turn_rad_per_s, PERIOD_S);
-        let half_turn_m_per_s = 0.5 * robot.track_m * turn_rad_per_s;
-        let wheel = |wheel_m_per_s: f64| wheel_m_per_s / robot.wheel_radius_m;
-        WheelCommand {
-            speed_rad_per_s: [wheel(speed_m_per_s - half_turn_m_per_s), wheel(speed_m_per_s + half_turn_m_per_s)],
+    /// Motion that approaches the wanted speed and turn rate as fast as the tyres should bear.
+    fn actuate(&mut self, wish: Wish) -> DriveCommand {
+        DriveCommand {
+            speed_m_per_s: self.speed.follow(wish.speed_m_per_s, PERIOD_S),
+            turn_rad_per_s: self.turn.follow(wish.turn_rad_per_s, PERIOD_S),
         }
     }
 
@@ -222,7 +218,7 @@ impl Driver {
             return Wish::default();
         }
         let robot = &self.scene.robot;
-        let braking_rad_per_s2 = 0.5 * robot.max_acceleration_m_per_s2 / robot.track_m;
+        let braking_rad_per_s2 = 0.5 * robot.max_acceleration_m_per_s2 / robot.base.track_m;
         let rate_rad_per_s = (2.0 * braking_rad_per_s2 * off_rad.abs())
             .sqrt()
             .min(TURN_GAIN_PER_S * off_rad.abs())
@@ -306,7 +302,7 @@ impl Driver {
     }
 
     fn look_ahead_m(&self) -> f64 {
-        LOOK_AHEAD_OVER_TRACK * self.scene.robot.track_m + LOOK_AHEAD_S * self.speed.value()
+        LOOK_AHEAD_OVER_TRACK * self.scene.robot.base.track_m + LOOK_AHEAD_S * self.speed.value()
     }
 
     fn turn_limit_rad_per_s(&self) -> f64 {

@@ -2,11 +2,7 @@
 
 use localizer::Estimate;
 
-use crate::{
-    devices::proximity::Fan,
-    scene::Scene,
-    world::{Drawn, WheelCommand},
-};
+use crate::{base::DriveCommand, devices::proximity::Fan, scene::Scene, world::Drawn};
 
 use super::{Driver, ErrandDriver, ErrandLog};
 
@@ -29,8 +25,8 @@ impl Pilot {
         }
     }
 
-    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S). `fan` is the proximity sensor's reading, if a new one has arrived.
-    pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> WheelCommand {
+    /// The motion that the base is commanded for the next [`PERIOD_S`](super::PERIOD_S). `fan` is the proximity sensor's reading, if a new one has arrived.
+    pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> DriveCommand {
         match self {
             Pilot::Route(driver) => driver.command(estimate, time_s),
             Pilot::Errands(driver) => driver.command(estimate, fan, time_s),

@@ -50,7 +50,7 @@ impl SceneFile {
         for path in paths {
             if path.is_dir() {
                 let before = files.len();
-                collect(path, &mut files)?;
+                collect(path, &|name| !name.ends_with(BASE_ENDING), &mut files)?;
                 if files.len() == before {
                     return Err(SceneError::NoScenes { folder: path.clone() });
                 }
@@ -73,7 +73,21 @@ impl SceneFile {
     }
 }
 
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {
+/// The files that `paths` name: files as they are, and for each folder all files below it that end in `.toml`, which are scenes and what they extend.
+pub(crate) fn texts(paths: &[PathBuf]) -> Result<Vec<PathBuf>, SceneError> {
+    let mut files = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            collect(path, &|_| true, &mut files)?;
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+/// Adds all files below a folder that end in `.toml` and whose path is wanted, in the order of their paths.
+fn collect(folder: &Path, is_wanted: &dyn Fn(&str) -> bool, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {
     let unreadable = |source: io::Error| SceneError::Unreadable { path: folder.to_owned(), source };
     let entries: io::Result<Vec<PathBuf>> =
         fs::read_dir(folder).map_err(unreadable)?.map(|entry| Ok(entry?.path())).collect();
@@ -81,8 +95,8 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {
     entries.sort();
     for path in entries {
         if path.is_dir() {
-            collect(&path, files)?;
-        } else if path.extension() == Some(OsStr::new("toml")) && !path.to_string_lossy().ends_with(BASE_ENDING) {
+            collect(&path, is_wanted, files)?;
+        } else if path.extension() == Some(OsStr::new("toml")) && is_wanted(&path.to_string_lossy()) {
             files.push(path);
         }
     }

@@ -3,9 +3,12 @@
 mod parse;
 mod files;
 mod setting;
+mod upgrade;
 mod places;
 mod markers;
 pub mod coverage;
 
 pub use files::SceneFile;
+pub(crate) use files::texts;
 pub use setting::{SceneTemplate, Setting, shown, value_of};
+pub use upgrade::{UpgradeError, Upgraded, upgraded};

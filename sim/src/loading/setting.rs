@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use super::SceneFile;
 use crate::scene::{
     Scene, SceneError,
+    moved::place_now,
     schema::{alternatives, resolve, schema},
 };
 
@@ -77,7 +78,7 @@ impl SceneTemplate {
             SceneError::UnknownKey {
                 path: self.file.path.clone(),
                 key: key.to_owned(),
-                nearest: nearest_keys(key, known),
+                nearest: place_now(key).map_or_else(|| nearest_keys(key, known), |now| vec![now.to_owned()]),
             }
         })
     }

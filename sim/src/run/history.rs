@@ -10,12 +10,7 @@ use localizer::{
     reading::{Camera, LandmarkId},
 };
 
-use crate::{
-    devices::BoundCheck,
-    driver::ErrandLog,
-    truth::Truth,
-    world::{Drawn, WheelCommand},
-};
+use crate::{base::DriveCommand, devices::BoundCheck, driver::ErrandLog, truth::Truth, world::Drawn};
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
@@ -29,8 +24,8 @@ pub struct RunRecord {
     pub drawn: Drawn,
     /// The true state of the robot at each step.
     pub truths: Vec<Truth>,
-    /// Wheel commands: for each step but the first of a drive, the command during the 10 ms before the step.
-    pub commands: Vec<WheelCommand>,
+    /// Drive commands: for each step but the first of a drive, the command during the 10 ms before the step.
+    pub commands: Vec<DriveCommand>,
     /// Indices of the steps at which the robot was put at a station, one of the poses at which the scene makes it stand still. Nothing carries
     /// over from the step before.
     pub restarts: Vec<usize>,

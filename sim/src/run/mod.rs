@@ -17,12 +17,13 @@ use std::time::Instant;
 use localizer::{PoseBox, Reading, motion::SlipExcess};
 
 use crate::{
+    base::DriveCommand,
     driver::Pilot,
     render::{RenderError, Renderer},
     run::sensors::{Sensors, Stage},
     scene::Scene,
     subject::{Subject, SubjectOf, exactly_at},
-    world::{Drawn, WheelCommand, World},
+    world::{Drawn, World},
 };
 
 pub use clearance::Clearance;
@@ -101,13 +102,13 @@ pub fn run_otherwise(
     again.run(&mut *subject, renderer, &RunOptions::default(), &mut (), progress)
 }
 
-/// One simulation of a run: what is simulated, what the localizer under test is given, and who commands the wheels.
+/// One simulation of a run: what is simulated, what the localizer under test is given, and who commands the base.
 struct Simulation<'a> {
     seed: u64,
     otherwise: Otherwise<'a>,
     asked: &'a Counterfactual,
-    /// The recorded wheel commands of the run that is repeated. Without them the scene's own driver commands the wheels.
-    commands: Option<&'a [WheelCommand]>,
+    /// The recorded drive commands of the run that is repeated. Without them the scene's own driver commands the base.
+    commands: Option<&'a [DriveCommand]>,
 }
 
 /// One uninterrupted drive: the scene's route or errands, or one of its stations (stated poses at which the robot stands still).
@@ -196,7 +197,7 @@ impl Simulation<'_> {
         Ok(())
     }
 
-    /// Returns the driver's next wheel command, or `None` when the errands are done.
+    /// Returns the driver's next drive command, or `None` when the errands are done.
     fn ask(
         &self,
         pilot: &mut Pilot,
@@ -205,7 +206,7 @@ impl Simulation<'_> {
         sensors: &mut Sensors,
         subject: &dyn Subject,
         time_s: f64,
-    ) -> Option<WheelCommand> {
+    ) -> Option<DriveCommand> {
         if pilot.is_done(time_s) {
             return None;
         }

@@ -77,8 +77,7 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
         keys["localizer"] = json!({ "wall_directions": { "tolerance_deg": 0.3, "askew_deg": 2.0 } });
     }
     let mut robot = json!({
-        "wheel_radius_tolerance": 0.005,
-        "track_tolerance": 0.005,
+        "base": { "wheel_radius_tolerance": 0.005, "track_tolerance": 0.005 },
         "delivery": { "stamp_tolerance_s": 0.001 },
     });
     let fitted = serde_json::to_value(preset.robot()).unwrap_or_default();

@@ -10,6 +10,7 @@ use toml::{
 
 use super::{
     error::Problem,
+    moved::place_now,
     schema::{alternatives, choices, numbers, resolve, schema, type_name},
 };
 
@@ -83,9 +84,10 @@ impl Walk<'_> {
                 self.value(value, property, &path);
             } else if node["additionalProperties"] == Value::Bool(false) {
                 let names = known.into_iter().flat_map(|known| known.keys()).map(String::as_str);
-                let expected = match nearest(name.get_ref(), names.clone()) {
-                    Some(meant) => format!("unknown key, expected `{meant}`?"),
-                    None => format!("unknown key, expected one of {}", names.collect::<Vec<_>>().join(", ")),
+                let expected = match (place_now(&path), nearest(name.get_ref(), names.clone())) {
+                    (Some(now), _) => format!("moved, expected `{now}`; `wherein upgrade SCENE` rewrites a scene"),
+                    (None, Some(meant)) => format!("unknown key, expected `{meant}`?"),
+                    (None, None) => format!("unknown key, expected one of {}", names.collect::<Vec<_>>().join(", ")),
                 };
                 self.problems.push(Problem {
                     key: path,

@@ -57,13 +57,14 @@ fn write_table(text: &mut String, table: &Table) -> Vec<Table> {
         let _ = writeln!(rows, "| `extends` | {EXTENDS} See [Scenes that build on others](extends.md). | text |  |");
     }
     for (key, property) in table.node["properties"].as_object().into_iter().flatten() {
-        let said =
-            [&property["description"], &resolve(property)["description"]].map(|text| text.as_str().unwrap_or_default());
+        let tables = tables_of(property);
         // The key of a table has one description, and the type of the table another. If both are equal, only one is written.
+        let node =
+            tables.first().filter(|(_, is_list, _)| !is_list).map_or_else(|| resolve(property), |(node, ..)| node);
+        let said = [&property["description"], &node["description"]].map(|text| text.as_str().unwrap_or_default());
         let description = if said[0] == said[1] { said[0].to_owned() } else { said.join(" ") };
         let description = description.trim().replace('\n', " ");
         let path = if table.path.is_empty() { key.clone() } else { format!("{}.{key}", table.path) };
-        let tables = tables_of(property);
         if !tables.is_empty() {
             inner.extend(tables.into_iter().map(|(node, is_list, kind)| {
                 let own = kind.and_then(|_| node["description"].as_str()).map(str::to_owned);

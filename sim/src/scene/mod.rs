@@ -7,6 +7,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+mod base;
 mod bounds;
 mod building;
 mod careful;
@@ -19,6 +20,7 @@ mod extend;
 mod floor;
 mod lamps;
 mod markers;
+pub(crate) mod moved;
 mod navigation;
 mod occupancy_grid;
 mod plan;
@@ -31,6 +33,8 @@ mod sensor;
 mod things;
 mod wall_directions;
 
+pub(crate) use base::with_every_base;
+pub use base::{Base, BaseKind, Differential};
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
 pub use careful::BoundsFrom;
@@ -119,7 +123,7 @@ pub struct Scene {
     /// Events during the run.
     #[serde(default, rename = "event")]
     pub events: Vec<Event>,
-    /// Bounds, declared to the localizer, on quantities that emerge from the simulated physics, such as slip.
+    /// Bounds on slip, speed, tilt and the like.
     #[serde(default)]
     pub bounds: Bounds,
     /// Setup of the localizer: its methods, and when its estimate counts as available.

@@ -4,12 +4,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 // The macro `with_every_kind` names the types of the keys of all kinds of devices, so all of them are imported.
-use super::devices::*;
+use super::{base::Base, devices::*};
 
 /// Defines the struct `Robot`, with a table of keys for every kind of device.
 macro_rules! define {
     ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
-        /// A differential-drive robot. Its frame `robot` has x forward, y left, z up and its origin under the middle of the wheel axle. The defaults
+        /// A robot on wheels. Its frame `robot` has x forward, y left, z up and its origin under the middle of the wheel axle. The defaults
         /// are the P3-DX's unless another `preset` is stated.
         #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
         // `Robot` is deserialised in two steps: the keys of its preset are filled in first, and the function derived here does the rest.
@@ -24,26 +24,8 @@ macro_rules! define {
             /// Radius of the robot's body about its origin. The body cannot enter walls.
             #[schemars(range(min = 0.05, max = 2.0))]
             pub body_radius_m: f64,
-            /// Nominal radius of the wheels.
-            #[schemars(range(min = 0.005, max = 0.5))]
-            pub wheel_radius_m: f64,
-            /// Greatest error of each wheel's radius, drawn at random, as a share of the nominal radius.
-            #[schemars(range(min = 0.0, max = 0.1))]
-            pub wheel_radius_tolerance: f64,
-            /// Shares of their nominal radius by which the left and the right wheel are worn off, in addition to the random error of the radius. The
-            /// localizer is not given them.
-            #[schemars(inner(range(min = 0.0, max = 0.5)))]
-            pub wheel_wear: [f64; 2],
-            /// Nominal distance between the wheels' contact points.
-            #[schemars(range(min = 0.05, max = 2.0))]
-            pub track_m: f64,
-            /// Greatest error of the track, drawn at random, as a share of the nominal track.
-            #[schemars(range(min = 0.0, max = 0.1))]
-            pub track_tolerance: f64,
-            /// Stiffness of the casters' springs over that of the wheels' supports. Soft springs leave the wheels their load where the floor rises
-            /// under a caster.
-            #[schemars(range(min = 0.01, max = 1.0))]
-            pub caster_stiffness: f64,
+            /// Base of the robot.
+            pub base: Base,
             /// Greatest commanded speed.
             #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
             pub max_speed_m_per_s: f64,
@@ -79,12 +61,7 @@ macro_rules! define {
                     preset: RobotPreset::P3dx,
                     mass_kg: 9.0,
                     body_radius_m: 0.25,
-                    wheel_radius_m: 0.0975,
-                    wheel_radius_tolerance: 0.002,
-                    wheel_wear: [0.0; 2],
-                    track_m: 0.33,
-                    track_tolerance: 0.003,
-                    caster_stiffness: 1.0,
+                    base: Base::default(),
                     max_speed_m_per_s: 0.51,
                     max_turn_rate_rad_per_s: 1.0,
                     max_acceleration_m_per_s2: 0.5,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use serde_json::{Map, Value};
 
-use super::{Encoders, Flow, Gyro, Robot, RobotPreset};
+use super::{Base, Differential, Encoders, Flow, Gyro, Robot, RobotPreset};
 
 impl RobotPreset {
     /// The robot that the preset names.
@@ -21,9 +21,12 @@ fn vacuum() -> Robot {
         preset: RobotPreset::Vacuum,
         mass_kg: 3.0,
         body_radius_m: 0.17,
-        wheel_radius_m: 0.035,
-        track_m: 0.23,
-        caster_stiffness: 0.3,
+        base: Base {
+            wheel_radius_m: 0.035,
+            track_m: 0.23,
+            differential: Differential { caster_stiffness: 0.3 },
+            ..Base::default()
+        },
         max_speed_m_per_s: 0.3,
         max_turn_rate_rad_per_s: 1.5,
         // The motor's encoder has 12 counts per turn, and the gear reduces by 1:60.

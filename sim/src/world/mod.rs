@@ -7,11 +7,12 @@
 use rapier3d_f64::prelude::Vector;
 
 use crate::{
+    base::DriveCommand,
     place::{
         Bystander,
         floor::{Floor, Ground},
     },
-    scene::Scene,
+    scene::{Base, Scene},
     truth::{STEP_S, Truth},
 };
 
@@ -45,13 +46,6 @@ pub const STEPS_PER_S: f64 = 1000.0;
 /// Standard gravity.
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
 
-/// Wheel speeds that the drive is commanded to reach, positive when rolling forward.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WheelCommand {
-    /// Commanded speeds of the left and of the right wheel.
-    pub speed_rad_per_s: [f64; 2],
-}
-
 /// Speed over the ground from which the drag of a carpet's pile has its full value. Below it the drag is proportional to the speed, so that
 /// a robot comes to rest.
 const DRAG_WHOLE_M_PER_S: f64 = 0.01;
@@ -60,10 +54,13 @@ const DRAG_WHOLE_M_PER_S: f64 = 0.01;
 #[derive(Clone)]
 pub struct World {
     chassis: Chassis,
+    /// Keys of the base, which decide what the wheels do for a commanded motion.
+    base: Base,
     wheels: [Wheel; 2],
     /// Tyre of both wheels on a hard floor.
     tyre: Tyre,
-    supports: [Support; 4],
+    /// Supports of the body: those of the two wheels first, then those of everything else that the base stands on.
+    supports: Vec<Support>,
     floor: Floor,
     pushes: Vec<Push>,
     lifts: Vec<Lift>,
@@ -87,6 +84,7 @@ impl World {
         World {
             odometer: Odometer::new(drawn, &chassis.state()),
             chassis,
+            base: scene.robot.base.clone(),
             wheels: drawn.base.wheel_radius_m.map(wheel),
             tyre: Tyre::default(),
             supports: Support::all(scene, drawn),
@@ -103,13 +101,19 @@ impl World {
         }
     }
 
-    /// Advances the world by [`STEP_S`] under a wheel command and returns the true state of the robot afterwards.
-    pub fn step(&mut self, command: WheelCommand) -> Truth {
+    /// Advances the world by [`STEP_S`] under a commanded motion and returns the true state of the robot afterwards.
+    pub fn step(&mut self, command: DriveCommand) -> Truth {
+        self.step_wheels(self.base.drivetrain().wheel_speeds_rad_per_s(&self.base, command))
+    }
+
+    /// Advances the world by [`STEP_S`] while the motors of the left and of the right wheel are commanded to reach these spin rates, positive when
+    /// rolling forward. Returns the true state of the robot afterwards.
+    pub fn step_wheels(&mut self, spins_rad_per_s: [f64; 2]) -> Truth {
         let time_s = self.n_steps as f64 / STEPS_PER_S;
         self.floor.advance_to(time_s);
         let body = self.chassis.state();
         self.chassis.release();
-        self.bear(&body, command, time_s);
+        self.bear(&body, spins_rad_per_s, time_s);
         self.shove(&body, time_s);
         self.lift(&body, time_s);
         self.walk(&body);
@@ -139,7 +143,7 @@ impl World {
 
     /// Applies the forces of the floor: supports bear the body, driven wheels pull it, and the pile of a carpet drags at wheels and
     /// casters.
-    fn bear(&mut self, body: &BodyState, command: WheelCommand, time_s: f64) {
+    fn bear(&mut self, body: &BodyState, spins_rad_per_s: [f64; 2], time_s: f64) {
         let robot_left = body.world_from_robot.rotation * Vector::Y;
         let mut rolled_m = [0.0; 2];
         (self.traction, self.borne_n) = (Vector::ZERO, 0.0);
@@ -164,7 +168,7 @@ impl World {
                 let tyre = ground.pile_stiffness.map_or(self.tyre, |pile| self.tyre.on_pile(pile));
                 let before_rad = wheel.angle_rad;
                 let stuck = self.stuck.at(support_idx, time_s);
-                let command_rad_per_s = command.speed_rad_per_s[support_idx];
+                let command_rad_per_s = spins_rad_per_s[support_idx];
                 let traction = wheel.advance(command_rad_per_s, &tyre, &contact, stuck, STEP_S);
                 rolled_m[support_idx] = (wheel.angle_rad - before_rad) * wheel.radius_m;
                 let grip = axes[0] * traction.force_n[0] + axes[1] * traction.force_n[1];

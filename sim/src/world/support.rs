@@ -1,8 +1,8 @@
-//! Supports of the robot's body: damped springs under the wheels and under two frictionless casters.
+//! Supports of the robot's body: damped springs above the points at which its base stands on the floor.
 
 use rapier3d_f64::prelude::Vector;
 
-use crate::{place::floor::Ground, scene::Scene, world::Drawn};
+use crate::{base::Foot, place::floor::Ground, scene::Scene, world::Drawn};
 
 use super::{GRAVITY_M_PER_S2, chassis::BodyState};
 
@@ -11,12 +11,6 @@ const STIFFNESS_PER_KG: f64 = 30_000.0 / 9.0;
 
 /// Damping of a support per robot mass: 500 N·s/m under 9 kg, about critical for heave.
 const DAMPING_PER_KG: f64 = 500.0 / 9.0;
-
-/// Share of the weight on the drive wheels; the casters bear the rest. A smaller share means less traction and more slip.
-const WHEEL_SHARE: f64 = 0.85;
-
-/// Distance of the casters from the axle over the body's radius. Closer ones let the body pitch more.
-const CASTER_OVER_RADIUS: f64 = 0.8;
 
 /// A damped spring between the robot's body and the floor.
 #[derive(Clone, Copy, Debug)]
@@ -29,24 +23,17 @@ pub(super) struct Support {
 }
 
 impl Support {
-    /// The four supports: left wheel, right wheel, front caster, rear caster. Together they bear the weight with the body level.
-    pub(super) fn all(scene: &Scene, drawn: &Drawn) -> [Support; 4] {
+    /// The supports under the feet of the robot's base, in the order of these feet. Together they bear the weight with the body level.
+    pub(super) fn all(scene: &Scene, drawn: &Drawn) -> Vec<Support> {
         let robot = &scene.robot;
-        let half_track_m = 0.5 * drawn.base.track_m;
-        let caster_m = CASTER_OVER_RADIUS * robot.body_radius_m;
         let weight_n = robot.mass_kg * GRAVITY_M_PER_S2;
-        let support = |x_m: f64, y_m: f64, share: f64, stiffness: f64| Support {
-            foot_in_robot: Vector::new(x_m, y_m, 0.0),
-            rest_load_n: 0.5 * share * weight_n,
-            stiffness_n_per_m: STIFFNESS_PER_KG * robot.mass_kg * stiffness,
-            damping_n_s_per_m: DAMPING_PER_KG * robot.mass_kg * stiffness,
+        let support = |foot: Foot| Support {
+            foot_in_robot: Vector::new(foot.place_m[0], foot.place_m[1], 0.0),
+            rest_load_n: foot.weight_share * weight_n,
+            stiffness_n_per_m: STIFFNESS_PER_KG * robot.mass_kg * foot.relative_stiffness,
+            damping_n_s_per_m: DAMPING_PER_KG * robot.mass_kg * foot.relative_stiffness,
         };
-        [
-            support(0.0, half_track_m, WHEEL_SHARE, 1.0),
-            support(0.0, -half_track_m, WHEEL_SHARE, 1.0),
-            support(caster_m, 0.0, 1.0 - WHEEL_SHARE, robot.caster_stiffness),
-            support(-caster_m, 0.0, 1.0 - WHEEL_SHARE, robot.caster_stiffness),
-        ]
+        robot.base.drivetrain().feet(robot, &drawn.base).into_iter().map(support).collect()
     }
 
     /// Point in the world where the support touches the floor.

@@ -93,7 +93,7 @@ impl ErrandDriver {
             speed_m_per_s: self.navigation.speed_m_per_s.min(robot.max_speed_m_per_s),
             turn_rad_per_s: self.follower.turn_limit_rad_per_s(),
             braking_m_per_s2: 0.5 * robot.max_acceleration_m_per_s2,
-            track_m: robot.track_m,
+            track_m: robot.base.track_m,
         };
         law.wish(self.follower.pose, self.follower.turn.value(), &limits)
     }

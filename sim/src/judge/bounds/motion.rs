@@ -119,7 +119,7 @@ fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monit
         let turned_rad = (truth.pose.heading_rad - before.pose.heading_rad).abs();
         turn_rate.watch(span_s, bounds.reach_turn_rate_rad_per_s, turned_rad / step_s);
         for side in [-1.0, 1.0] {
-            let along = |truth: &Truth| truth.velocity[0] + side * 0.5 * scene.robot.track_m * truth.velocity[2];
+            let along = |truth: &Truth| truth.velocity[0] + side * 0.5 * scene.robot.base.track_m * truth.velocity[2];
             let change = (along(truth) - along(before)).abs() / step_s;
             acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, change);
         }

@@ -115,7 +115,7 @@ impl Scene {
         // The base's clock may show 0 up to a time ε after the start. A robot that accelerates from rest meanwhile, at most by a, gets a·ε²/2 far.
         let late_s = self.robot.delivery.stamp_tolerance_s;
         let left_m = 0.5 * self.bounds.reach_acceleration_m_per_s2 * late_s * late_s;
-        let turned_rad = 2.0 * left_m / (self.robot.track_m * (1.0 - self.robot.track_tolerance));
+        let turned_rad = 2.0 * left_m / (self.robot.base.track_m * (1.0 - self.robot.base.track_tolerance));
         PoseBox::from([
             Interval::centred(start.x_m, self.start.tolerance_m + left_m),
             Interval::centred(start.y_m, self.start.tolerance_m + left_m),

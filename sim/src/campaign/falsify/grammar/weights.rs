@@ -32,7 +32,7 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 41] = [
+const CHANCES: [(&str, f64); 43] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("navigation.map", 0.0),
@@ -50,6 +50,8 @@ const CHANCES: [(&str, f64); 41] = [
     ("robot", 1.0),
     ("robot.preset", 0.5),
     ("robot.errors", 0.6),
+    ("robot.base", 1.0),
+    ("robot.base.differential", 1.0),
     ("robot.floor_camera", 1.0),
     ("robot.forward_camera", 1.0),
     ("robot.ceiling_camera", 1.0),
@@ -58,7 +60,7 @@ const CHANCES: [(&str, f64); 41] = [
     ("robot.flow", 1.0),
     ("robot.proximity", 0.5),
     // Worn wheels are rare: a wheel worn beyond its tolerance exceeds a declared bound from the first second on, so that the run shows nothing more.
-    ("robot.wheel_wear", 0.02),
+    ("robot.base.wheel_wear", 0.02),
     ("floor.tiles.misplaced", 0.03),
     ("markers.marker", 1.0),
     ("markers.marker.misplaced_m", 0.02),
@@ -98,12 +100,12 @@ const RANGES: [(&str, [f64; 2]); 129] = [
     ("navigation.give_up_s", [1.0, 60.0]),
     ("robot.mass_kg", [2.0, 30.0]),
     ("robot.body_radius_m", [0.1, 0.3]),
-    ("robot.wheel_radius_m", [0.025, 0.12]),
-    ("robot.wheel_radius_tolerance", [0.0, 0.02]),
-    ("robot.track_m", [0.15, 0.45]),
-    ("robot.track_tolerance", [0.0, 0.03]),
-    ("robot.wheel_wear", [0.0, 0.02]),
-    ("robot.caster_stiffness", [0.1, 1.0]),
+    ("robot.base.wheel_radius_m", [0.025, 0.12]),
+    ("robot.base.wheel_radius_tolerance", [0.0, 0.02]),
+    ("robot.base.track_m", [0.15, 0.45]),
+    ("robot.base.track_tolerance", [0.0, 0.03]),
+    ("robot.base.wheel_wear", [0.0, 0.02]),
+    ("robot.base.differential.caster_stiffness", [0.1, 1.0]),
     ("robot.max_speed_m_per_s", [0.1, 0.8]),
     ("robot.max_turn_rate_rad_per_s", [0.3, 2.5]),
     ("robot.max_acceleration_m_per_s2", [0.1, 1.5]),
