@@ -31,10 +31,10 @@ impl TileJoints {
     /// Headings that all but q lines of the image allow, as disjoint intervals inside `heading`.
     fn headings(&self, heading: Interval) -> Vec<Interval> {
         let mut found = Vec::new();
-        // With at most q lines wrong, one of any q + 1 lines is right: the union of the headings that they allow holds the true heading.
         if !is_cut(heading) {
             return vec![heading];
         }
+        // With at most q lines wrong, one of any q + 1 lines is right: the union of the headings that they allow holds the true heading.
         for joint in self.joints.iter().take(self.q_items + 1) {
             let (first, last) = joint.families(heading, &self.geometry);
             found.extend((first..=last).map(|family| joint.heading(family, &self.geometry).intersect(heading)));
