@@ -46,10 +46,16 @@ pub(crate) trait Drivetrain {
 pub(crate) struct Foot {
     /// Position of the point in the robot frame: forward and left.
     pub(crate) place_m: [f64; 2],
-    /// Share of the robot's weight that the point bears when the robot is at rest on level floor.
+    /// Share of the robot's weight that the point bears when the robot is at rest on level floor. The shares of all feet add up to 1, and the robot's
+    /// centre of mass is above the point at which they balance.
     pub(crate) weight_share: f64,
     /// Stiffness and damping of the spring above the point, over those of a usual wheel's spring.
     pub(crate) relative_stiffness: f64,
+}
+
+/// The point, forward and left in the robot frame, above which the robot's weight must be for each of its feet to bear its share of it.
+pub(crate) fn balance_m(feet: &[Foot]) -> [f64; 2] {
+    [0, 1].map(|axis| feet.iter().map(|foot| foot.weight_share * foot.place_m[axis]).sum())
 }
 
 macro_rules! define {
@@ -156,5 +162,19 @@ pub(crate) fn wheel_model(robot: &Robot, bounds: &Bounds) -> WheelModel {
         side_slip_ratio: bounds.side_slip_ratio,
         side_slip_floor_m: bounds.side_slip_floor_m,
         slip_window_s: bounds.slip_window_s,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Foot, balance_m};
+
+    /// Two feet 0.2 m apart bear three quarters of the weight, and one 0.4 m behind them bears a quarter: the weight is 0.1 m behind the two.
+    #[test]
+    fn weight_that_a_rear_foot_bears_is_behind_the_axle() {
+        let foot = |place_m: [f64; 2], weight_share: f64| Foot { place_m, weight_share, relative_stiffness: 1.0 };
+        let feet = [foot([0.0, 0.1], 0.375), foot([0.0, -0.1], 0.375), foot([-0.4, 0.0], 0.25)];
+        let [forward_m, left_m] = balance_m(&feet);
+        assert!((forward_m + 0.1).abs() < 1e-15 && left_m.abs() < 1e-15, "{forward_m} {left_m}");
     }
 }

@@ -4,7 +4,7 @@
 
 use rapier3d_f64::prelude::*;
 
-use crate::{scene::Scene, truth::STEP_S, world::Drawn};
+use crate::{base::balance_m, scene::Scene, truth::STEP_S, world::Drawn};
 
 use super::GRAVITY_M_PER_S2;
 
@@ -108,7 +108,7 @@ impl Chassis {
         let body = RigidBodyBuilder::dynamic()
             .translation(Vector::new(start.x_m, start.y_m, 0.0))
             .rotation(Vector::new(0.0, 0.0, start.heading_rad))
-            .additional_mass_properties(mass_properties(scene))
+            .additional_mass_properties(mass_properties(scene, drawn))
             .can_sleep(false)
             .build();
         let body = physics.bodies.insert(body);
@@ -198,14 +198,17 @@ impl Coming {
     }
 }
 
-/// Mass properties of the body: an upright homogeneous cylinder whose centre is above the middle of the axle.
-fn mass_properties(scene: &Scene) -> MassProperties {
+/// Mass properties of the body: those of an upright homogeneous cylinder, whose centre is above the point at which the feet of the base bear their
+/// shares of the weight with the body level. For a differential drive that point is the middle of the axle.
+fn mass_properties(scene: &Scene, drawn: &Drawn) -> MassProperties {
     let (mass_kg, radius_m) = (scene.robot.mass_kg, scene.robot.body_radius_m);
+    let [forward_m, left_m] = balance_m(&scene.robot.base.drivetrain().feet(&scene.robot, &drawn.base));
     let centre_m = CENTRE_OF_MASS_OVER_RADIUS * radius_m;
     let height_m = 2.0 * centre_m;
     let upright_kg_m2 = mass_kg * radius_m * radius_m / 2.0;
     let level_kg_m2 = mass_kg * (3.0 * radius_m * radius_m + height_m * height_m) / 12.0;
-    MassProperties::new(Vector::new(0.0, 0.0, centre_m), mass_kg, Vector::new(level_kg_m2, level_kg_m2, upright_kg_m2))
+    let inertia_kg_m2 = Vector::new(level_kg_m2, level_kg_m2, upright_kg_m2);
+    MassProperties::new(Vector::new(forward_m, left_m, centre_m), mass_kg, inertia_kg_m2)
 }
 
 fn build_furniture(physics: &mut PhysicsWorld, scene: &Scene) {
