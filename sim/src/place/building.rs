@@ -13,6 +13,7 @@ pub(crate) use coverings::covering_albedo;
 pub use openings::Opening;
 pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};
+pub(crate) use upright_box::BoxFrame;
 pub use upright_box::UprightBox;
 pub use walls::Enclosure;
 pub(crate) use walls::{Side, enclosures, standing_walls, wall_panels};

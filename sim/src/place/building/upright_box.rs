@@ -99,9 +99,49 @@ impl UprightBox {
         })
     }
 
+    /// Whether a point is inside the box.
+    pub fn contains(&self, at: Point3<f64>) -> bool {
+        BoxFrame::of(self).contains(at)
+    }
+}
+
+/// An upright box with its corners and its own frame, computed once for the many lines of sight that a light map follows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoxFrame {
+    /// Corners of the box, in the order of [`UprightBox::corners`].
+    pub(crate) corners: [Point3<f64>; 8],
+    middle: Point3<f64>,
+    /// Half of the box's length, and the square of its norm.
+    along: (Vector3<f64>, f64),
+    /// Half of the box's width, and the square of its norm.
+    across: (Vector3<f64>, f64),
+    height_m: f64,
+    /// Square of a distance from the middle that no point of the box exceeds.
+    reach_m2: f64,
+}
+
+impl BoxFrame {
+    pub(crate) fn of(piece: &UprightBox) -> BoxFrame {
+        let [along, across] = piece.half_sides();
+        let height_m = piece.between_m[1] - piece.between_m[0];
+        let corner_m2 = along.norm_squared() + across.norm_squared() + height_m * height_m / 4.0;
+        BoxFrame {
+            corners: piece.corners(),
+            middle: piece.middle(),
+            along: (along, along.norm_squared()),
+            across: (across, across.norm_squared()),
+            height_m,
+            // The share is for rounding: what lies in the box by its coordinates is never farther than this.
+            reach_m2: 1.000_001 * corner_m2,
+        }
+    }
+
     /// Whether the straight line between two points passes through the box (slab method).
-    pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
-        let (start, end) = (self.in_own_frame(from), self.in_own_frame(to));
+    pub(crate) fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
+        if self.is_passed_by(from, to) {
+            return false;
+        }
+        let (start, end) = (self.coordinates(from), self.coordinates(to));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {
             let way = end[axis] - start[axis];
@@ -114,23 +154,31 @@ impl UprightBox {
             let (one, other) = ((-1.0 - start[axis]) / way, (1.0 - start[axis]) / way);
             enter = enter.max(one.min(other));
             leave = leave.min(one.max(other));
+            if enter >= leave {
+                return false;
+            }
         }
-        enter < leave
+        true
     }
 
     /// Whether a point is inside the box.
-    pub fn contains(&self, at: Point3<f64>) -> bool {
-        self.in_own_frame(at).iter().all(|coordinate| coordinate.abs() < 1.0)
+    pub(crate) fn contains(&self, at: Point3<f64>) -> bool {
+        (at - self.middle).norm_squared() <= self.reach_m2
+            && self.coordinates(at).iter().all(|coordinate| coordinate.abs() < 1.0)
+    }
+
+    /// Whether the straight line between two points keeps out of the ball around the box. Most lines do, and this costs a single division.
+    fn is_passed_by(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
+        let (way, to_middle) = (to - from, self.middle - from);
+        let share = (to_middle.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (to_middle - way * share).norm_squared() > self.reach_m2
     }
 
     /// Coordinates of a point in the box's own frame, in which each coordinate runs from −1 to 1 inside the box.
-    fn in_own_frame(&self, at: Point3<f64>) -> [f64; 3] {
-        let [half_length, half_width] = self.half_sides();
-        let from_middle = at - self.middle();
-        [
-            from_middle.dot(&half_length) / half_length.norm_squared(),
-            from_middle.dot(&half_width) / half_width.norm_squared(),
-            from_middle.z * 2.0 / (self.between_m[1] - self.between_m[0]),
-        ]
+    fn coordinates(&self, at: Point3<f64>) -> [f64; 3] {
+        let from_middle = at - self.middle;
+        let (along, along_m2) = &self.along;
+        let (across, across_m2) = &self.across;
+        [from_middle.dot(along) / along_m2, from_middle.dot(across) / across_m2, from_middle.z * 2.0 / self.height_m]
     }
 }

@@ -3,12 +3,12 @@
 use nalgebra::{Point3, Vector3};
 
 use super::source::{Shape, Source};
-use crate::place::building::{Building, Enclosure, Panel, UprightBox};
+use crate::place::building::{BoxFrame, Building, Enclosure, Panel};
 
 /// Everything in a building that casts shadows and does not move.
 #[derive(Clone, Debug)]
 pub struct Occluders {
-    boxes: Vec<UprightBox>,
+    boxes: Vec<BoxFrame>,
     walls: Vec<Panel>,
     rooms: Vec<Enclosure>,
 }
@@ -18,7 +18,8 @@ impl Occluders {
     /// from room to room.
     pub fn new(building: &Building) -> Occluders {
         let walls = if building.rooms.len() > 1 { building.walls().cloned().collect() } else { Vec::new() };
-        Occluders { boxes: building.boxes.clone(), walls, rooms: building.rooms.clone() }
+        let boxes = building.boxes.iter().map(BoxFrame::of).collect();
+        Occluders { boxes, walls, rooms: building.rooms.clone() }
     }
 
     /// The boxes and walls that may stand between any two of the given points.
@@ -35,7 +36,7 @@ impl Occluders {
         let in_one_room = self.rooms.iter().any(|room| places.iter().all(|at| room.contains(*at)));
         let walls = self.walls.iter().filter(|wall| !in_one_room && reaches(&wall.corners()));
         Occluders {
-            boxes: self.boxes.iter().filter(|one| reaches(&one.corners())).cloned().collect(),
+            boxes: self.boxes.iter().filter(|one| reaches(&one.corners)).copied().collect(),
             walls: walls.cloned().collect(),
             rooms: Vec::new(),
         }
