@@ -1,8 +1,11 @@
-use std::{fs, path::PathBuf};
+use std::{fs, path::PathBuf, sync::mpsc, thread, time::Duration};
 
 use sim::scene::Scene;
 
 use crate::command::{folder, outcome, root, wherein};
+
+/// Time limit after which a run counts as one that never ends, on any machine: the slowest run takes seconds.
+const PATIENCE: Duration = Duration::from_secs(400);
 
 /// Every scene of `scenes/found`, which holds scenes that once made something fail.
 fn found() -> Vec<PathBuf> {
@@ -46,7 +49,11 @@ fn every_scene_that_broke_something_keeps_its_promise_now() {
         Scene::load(&path).unwrap_or_else(|error| panic!("failed to {error}"));
         for seed in seeds(&text) {
             let (file, seed) = (path.display().to_string(), seed.to_string());
-            let (code, _, errors) = outcome(&mut wherein(&out, &["run", &file, "--seed", &seed, "--out", "out"]));
+            let mut command = wherein(&out, &["run", &file, "--seed", &seed, "--out", "out"]);
+            let (sender, receiver) = mpsc::channel();
+            thread::spawn(move || sender.send(outcome(&mut command)));
+            let ended = receiver.recv_timeout(PATIENCE);
+            let (code, _, errors) = ended.unwrap_or_else(|cause| panic!("{file} --seed {seed}: {cause}"));
             assert_eq!(code, 0, "{file} --seed {seed}: {errors}");
         }
     }

@@ -82,8 +82,6 @@ mod world_floor;
 mod carpet_physics;
 /// Tests of whole runs that localize by wheels, gyroscope and flow sensor, and of faults in such runs.
 mod carpet_runs;
-/// Tests of scenes in which motion, its sensors or landmarks once failed.
-mod found_motion;
 /// Tests of gyroscope, flow sensor and delivery of readings against closed forms and geometry worked out by hand.
 mod motion_sensors;
 /// Tests of the bounds on sensors and surroundings that a careful user can know: where they apply, and that they hold the truth in six scenes.
