@@ -1,7 +1,11 @@
 //! Helpers that the renderer's tests share: a scene with an ideally mounted camera, one renderer for the process, and whole runs with all their
 //! images.
 
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::{
+    ops::{Deref, DerefMut},
+    sync::Mutex,
+    thread,
+};
 
 use image::GrayImage;
 use localizer::Pose;
@@ -113,11 +117,38 @@ impl Studio {
     }
 }
 
-/// The one renderer of the test process, behind a lock because tests run in threads.
-pub(crate) fn renderer() -> MutexGuard<'static, Renderer> {
-    static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
-    let mutex = RENDERER.get_or_init(|| Mutex::new(Renderer::new().unwrap()));
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Renderers that no test uses at the moment.
+static IDLE: Mutex<Vec<Renderer>> = Mutex::new(Vec::new());
+
+/// A renderer that one test uses. Afterwards it serves another test, unless the test failed.
+pub(crate) struct Lent(Option<Renderer>);
+
+/// A renderer for one test: an idle one, or a new one where tests in other threads use all that there are.
+pub(crate) fn renderer() -> Lent {
+    let idle = IDLE.lock().unwrap().pop();
+    Lent(Some(idle.unwrap_or_else(|| Renderer::new().unwrap())))
+}
+
+impl Deref for Lent {
+    type Target = Renderer;
+
+    fn deref(&self) -> &Renderer {
+        self.0.as_ref().unwrap()
+    }
+}
+
+impl DerefMut for Lent {
+    fn deref_mut(&mut self) -> &mut Renderer {
+        self.0.as_mut().unwrap()
+    }
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        if !thread::panicking() {
+            IDLE.lock().unwrap().extend(self.0.take());
+        }
+    }
 }
 
 /// True state of a robot at rest.
