@@ -34,7 +34,7 @@ const SHORT: &str = "focal_px = [480.0, 480.0]";
 fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
     let (camera, mount) =
         (scene.robot.ceiling_camera.as_ref().unwrap(), drawn.devices.ceiling_camera.as_ref().unwrap());
-    let (lens, pose) = (Lens::ceiling(camera, mount), world_from_camera(truth, mount));
+    let (lens, pose) = (Lens::of(camera, mount), world_from_camera(truth, mount));
     let is_inside = |point: Point3<f64>| {
         let seen = pose.inverse_transform_point(&point);
         let [u, v] = lens.pixel([seen.x / seen.z, seen.y / seen.z]);
@@ -151,7 +151,7 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
         // have been near.
         let mut exact = Drawn::draw(&holed, 0);
         exact.devices.ceiling_camera =
-            Some(sim::devices::camera::DrawnCamera::ceiling(holed.robot.ceiling_camera.as_ref().unwrap()));
+            Some(sim::devices::camera::DrawnCamera::nominal(holed.robot.ceiling_camera.as_ref().unwrap()));
         assert_eq!(whole_in_image(&holed, &exact, &Truth { pose, ..Truth::default() }), 0, "{pose:?}");
         assert!((missing.x_m - pose.x_m).hypot(missing.y_m - pose.y_m) < 1.4, "{pose:?}");
     }
@@ -213,11 +213,11 @@ fn at_the_edge_of_what_is_surely_seen_the_worst_tilt_still_shows_the_marker() {
         let is_shown = |distance_m: f64| {
             (0..32).all(|course| {
                 let (sin, cos) = (f64::from(course) * std::f64::consts::PI / 16.0).sin_cos();
-                let mut mount = sim::devices::camera::DrawnCamera::ceiling(camera);
+                let mut mount = sim::devices::camera::DrawnCamera::nominal(camera);
                 let tilt =
                     nalgebra::UnitQuaternion::from_scaled_axis(nalgebra::vector![cos, sin, 0.0] * 2f64.to_radians());
                 mount.body_from_camera.rotation = tilt * mount.body_from_camera.rotation;
-                let lens = Lens::ceiling(camera, &mount);
+                let lens = Lens::of(camera, &mount);
                 let truth = Truth { pose, ..Truth::default() };
                 let camera_from_world = world_from_camera(&truth, &mount).inverse();
                 let [x_m, y_m, z_m] = at(distance_m);

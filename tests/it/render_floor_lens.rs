@@ -3,7 +3,7 @@
 use image::GrayImage;
 use localizer::Claim;
 use nalgebra::{Isometry3, Translation3};
-use sim::{devices::camera::world_from_floor_camera, judge::is_true, render::View, truth::Truth};
+use sim::{devices::camera::world_from_camera, judge::is_true, render::View, truth::Truth};
 
 use crate::{
     render_projection::{dark_centroid, marks},
@@ -74,7 +74,7 @@ fn what_a_bent_lens_bends_is_what_the_scene_declares() {
         "[robot.floor_camera]\nscale_tolerance = 0.0\nlens.distortion = [-0.16, 0.03, 0.001, -0.0006, 0.0]\n\
          lens.vignetting = true\nlens.defocus_px = 3.0\nlens.row_time_s = 20e-6\n",
     );
-    let lens = sim::optics::Lens::floor(
+    let lens = sim::optics::Lens::of(
         studio.scene.robot.floor_camera.as_ref().unwrap(),
         &studio.drawn.devices.floor_camera.unwrap(),
     );
@@ -191,7 +191,7 @@ impl Drive {
     /// Five poses of the camera from `-total_s/2` to `total_s/2`, in the form that a rendered view takes.
     fn poses(&self, studio: &Studio, total_s: f64) -> Vec<Isometry3<f64>> {
         let at = |step: i32| self.at(total_s * (f64::from(step) / 4.0 - 0.5));
-        (0..=4).map(|step| world_from_floor_camera(&at(step), &studio.mount)).collect()
+        (0..=4).map(|step| world_from_camera(&at(step), &studio.mount.camera())).collect()
     }
 }
 
@@ -278,7 +278,7 @@ fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() 
             view.lens.row_time_s = 0.0;
             let at = |share: f64| DRIVE.at(middle_s + share * shutter.exposure_s);
             let shares = [-0.5, -0.25, 0.0, 0.25, 0.5];
-            view.world_from_camera = shares.map(|share| world_from_floor_camera(&at(share), &studio.mount)).to_vec();
+            view.world_from_camera = shares.map(|share| world_from_camera(&at(share), &studio.mount.camera())).to_vec();
             let row = studio.draw(view);
             let difference = |u: u32| (level(&whole, u, v) - level(&row, u, v)).abs();
             let mut differences: Vec<f64> = (0..640).map(difference).collect();
@@ -306,7 +306,7 @@ fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row
         SHORT.row_time_s
     );
     let mut studio = Studio::new(4.0, &keys);
-    studio.drawn.devices.floor_camera = Some(studio.mount);
+    studio.drawn.devices.floor_camera = Some(studio.mount.camera());
     let truth = Truth { velocity: [DRIVE.speed_m_per_s, 0.0, DRIVE.turn_rad_per_s], ..DRIVE.at(0.0) };
     // Pixel at which the picture shows a place of the floor: the time of exposure decides the row, and the row decides the time.
     let shown = |place: [f64; 2]| {

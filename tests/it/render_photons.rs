@@ -3,7 +3,7 @@
 use sim::{
     optics::AutoExposure,
     render::{FloorLight, NoiseKey},
-    scene::{Light, Room},
+    scene::{CameraKeys, Light, Room},
 };
 
 use crate::render_studio::{Studio, exposed, renderer, standing};

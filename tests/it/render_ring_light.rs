@@ -181,7 +181,7 @@ fn an_infrared_forward_camera_sees_a_dark_room_by_its_ring() {
     let seen = |band: &str, levels: f64| {
         let scene = scene(band);
         let drawn = Drawn::draw(&scene, 0);
-        let lens = Lens::forward(scene.robot.forward_camera.as_ref().unwrap(), &drawn.devices.forward_camera.unwrap());
+        let lens = Lens::of(scene.robot.forward_camera.as_ref().unwrap(), &drawn.devices.forward_camera.unwrap());
         let mut renderer = renderer();
         let world = renderer.upload_room(&scene, &drawn).unwrap();
         let view = quiet_view(lens.clone(), vec![turned(2.0, 1.3, 0.0)], levels);

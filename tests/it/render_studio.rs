@@ -9,14 +9,14 @@ use std::{
 
 use image::GrayImage;
 use localizer::Pose;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 use sim::{
-    devices::camera::{DrawnFloorCamera, world_from_floor_camera},
+    devices::camera::{DrawnCamera, world_from_camera},
     judge::Verdict,
     optics::{Exposure, Lens},
     render::{NoiseKey, Renderer, Shows, View},
     run::{FramesPolicy, RunOptions, RunRecord, run},
-    scene::Scene,
+    scene::{CameraKeys, Scene},
     subject::IntervalLocalizer,
     truth::Truth,
     world::Drawn,
@@ -28,7 +28,43 @@ use crate::judging::verdict_of;
 pub(crate) struct Studio {
     pub(crate) scene: Scene,
     pub(crate) drawn: Drawn,
-    pub(crate) mount: DrawnFloorCamera,
+    pub(crate) mount: FloorMount,
+}
+
+/// A floor camera as the test mounts it.
+#[derive(Clone, Copy)]
+pub(crate) struct FloorMount {
+    /// Position of the optical centre forward and left of the robot's origin.
+    pub(crate) position_m: [f64; 2],
+    /// Height of the optical centre above the floor at rest.
+    pub(crate) height_m: f64,
+    pub(crate) focal_px: f64,
+    /// Rotation of the image about the body's vertical, counter-clockwise seen from above.
+    pub(crate) yaw_rad: f64,
+    /// Rotation vector, about robot x and robot y, by which the optical axis deviates from the body's vertical.
+    pub(crate) tilt_rad: [f64; 2],
+    pub(crate) distortion: [f64; 5],
+}
+
+impl FloorMount {
+    /// The same camera as the simulator describes cameras: image right is robot right (−y), image down is robot backward (−x), ahead is down (−z).
+    pub(crate) fn camera(&self) -> DrawnCamera {
+        let [forward_m, left_m] = self.position_m;
+        let [about_x_rad, about_y_rad] = self.tilt_rad;
+        let down = Rotation3::from_matrix_unchecked(Matrix3::new(0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0));
+        let attitude = Rotation3::from_scaled_axis(vector![about_x_rad, about_y_rad, 0.0])
+            * Rotation3::from_axis_angle(&Vector3::z_axis(), self.yaw_rad)
+            * down;
+        DrawnCamera {
+            body_from_camera: Isometry3::from_parts(
+                Translation3::new(forward_m, left_m, self.height_m),
+                UnitQuaternion::from_rotation_matrix(&attitude),
+            ),
+            focal_px: [self.focal_px; 2],
+            principal_point_px: [319.5, 239.5],
+            distortion: self.distortion,
+        }
+    }
 }
 
 impl Studio {
@@ -49,7 +85,7 @@ impl Studio {
         // The floor camera's 640 px cover 0.48 m of the floor, seen from 0.25 m above: one pixel is 0.75 mm.
         let focal_px = 0.25 * 640.0 / 0.48;
         assert_eq!((camera.height_m, camera.footprint_width_m), (0.25, 0.48));
-        let mount = DrawnFloorCamera {
+        let mount = FloorMount {
             position_m: [-0.15, 0.0],
             height_m: 0.25,
             focal_px,
@@ -71,7 +107,7 @@ impl Studio {
             gain_levels_per_electron: 0.025,
             illuminance_at_floor_lux: self.scene.light.illuminance_at_floor_lux,
             noise: NoiseKey { seed: 5, image },
-            lens: Lens::floor(camera, &self.mount),
+            lens: Lens::of(camera, &self.mount.camera()),
         }
     }
 
@@ -92,7 +128,7 @@ impl Studio {
     }
 
     fn poses(&self, truths: &[Truth]) -> Vec<Isometry3<f64>> {
-        truths.iter().map(|truth| world_from_floor_camera(truth, &self.mount)).collect()
+        truths.iter().map(|truth| world_from_camera(truth, &self.mount.camera())).collect()
     }
 
     /// Image of a floor point by trigonometry alone, written from the frames' definitions and not from the simulator's code.

@@ -55,7 +55,10 @@ fn norm(error: &str, value: f64) -> Share {
 /// Every drawn error divided by its tolerance; all of them are in [−1, 1] when the draws keep their bounds.
 fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
     let floor = drawn.devices.floor_camera.unwrap();
-    let px_per_m = floor.focal_px / floor.height_m;
+    let floor_keys = scene.robot.floor_camera.as_ref().unwrap();
+    let at_m = floor.body_from_camera.translation.vector;
+    let px_per_m = floor.focal_px[0] / 0.25;
+    let [tilt_rad, yaw_rad] = tilt_and_yaw(&DrawnCamera::nominal(floor_keys), &floor);
     let mut shares = vec![
         share("left wheel", (drawn.base.wheel_radius_m[0] / 0.0975 - 1.0) / 0.002),
         share("right wheel", (drawn.base.wheel_radius_m[1] / 0.0975 - 1.0) / 0.002),
@@ -63,21 +66,20 @@ fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
         share("start x", (drawn.start.x_m - 2.0) / 0.25),
         share("start y", (drawn.start.y_m - 3.0) / 0.25),
         share("start heading", drawn.start.heading_rad.to_degrees() / 2.0),
-        share("floor camera forward", (floor.position_m[0] + 0.15) / 0.0005),
-        share("floor camera left", floor.position_m[1] / 0.0005),
+        share("floor camera forward", (at_m.x + 0.15) / 0.0005),
+        share("floor camera left", at_m.y / 0.0005),
         share("floor camera scale", (px_per_m / (640.0 / 0.48) - 1.0) / 0.001),
-        share("floor camera yaw", floor.yaw_rad.to_degrees() / 0.1),
-        norm("floor camera tilt", floor.tilt_rad[0].hypot(floor.tilt_rad[1]).to_degrees() / 0.1),
+        share("floor camera yaw", yaw_rad.to_degrees() / 0.1),
+        norm("floor camera tilt", tilt_rad.to_degrees() / 0.1),
     ];
-    let camera = scene.robot.floor_camera.as_ref().unwrap();
-    shares.push(bend("floor camera", &Lens::floor(camera, &floor)));
+    shares.push(bend("floor camera", &Lens::of(floor_keys, &floor)));
     let (forward, ceiling) =
         (scene.robot.forward_camera.as_ref().unwrap(), scene.robot.ceiling_camera.as_ref().unwrap());
     let (drawn_forward, drawn_ceiling) = (drawn.devices.forward_camera.unwrap(), drawn.devices.ceiling_camera.unwrap());
-    shares.extend(calibrated("forward camera", &DrawnCamera::forward(forward), &drawn_forward, &forward.calibration));
-    shares.extend(calibrated("ceiling camera", &DrawnCamera::ceiling(ceiling), &drawn_ceiling, &ceiling.calibration));
-    shares.push(bend("forward camera", &Lens::forward(forward, &drawn_forward)));
-    shares.push(bend("ceiling camera", &Lens::ceiling(ceiling, &drawn_ceiling)));
+    shares.extend(calibrated("forward camera", &DrawnCamera::nominal(forward), &drawn_forward, &forward.calibration));
+    shares.extend(calibrated("ceiling camera", &DrawnCamera::nominal(ceiling), &drawn_ceiling, &ceiling.calibration));
+    shares.push(bend("forward camera", &Lens::of(forward, &drawn_forward)));
+    shares.push(bend("ceiling camera", &Lens::of(ceiling, &drawn_ceiling)));
     shares.extend(other_devices(drawn));
     shares.extend(places(drawn));
     shares
@@ -93,11 +95,15 @@ fn bend(camera: &str, lens: &Lens) -> Share {
     share(&format!("{camera} distortion"), far_px.fold(0.0, f64::max).copysign(lens.distortion[0]) / 0.4)
 }
 
+/// Angles by which a camera is tilted and turned about the vertical, against its nominal attitude.
+fn tilt_and_yaw(nominal: &DrawnCamera, drawn: &DrawnCamera) -> [f64; 2] {
+    let turn: UnitQuaternion<f64> = drawn.body_from_camera.rotation * nominal.body_from_camera.rotation.inverse();
+    [(turn * Vector3::z()).xy().norm().asin(), 2.0 * turn.k.atan2(turn.w)]
+}
+
 fn calibrated(camera: &str, nominal: &DrawnCamera, drawn: &DrawnCamera, tolerance: &Calibration) -> Vec<Share> {
     let shift_m = drawn.body_from_camera.translation.vector - nominal.body_from_camera.translation.vector;
-    let turn: UnitQuaternion<f64> = drawn.body_from_camera.rotation * nominal.body_from_camera.rotation.inverse();
-    let tilt_rad = (turn * Vector3::z()).xy().norm().asin();
-    let yaw_rad = 2.0 * turn.k.atan2(turn.w);
+    let [tilt_rad, yaw_rad] = tilt_and_yaw(nominal, drawn);
     let mut shares = vec![
         norm(&format!("{camera} tilt"), tilt_rad.to_degrees() / tolerance.angle_tolerance_deg),
         share(&format!("{camera} yaw"), yaw_rad.to_degrees() / tolerance.angle_tolerance_deg),
@@ -300,6 +306,9 @@ fn a_cameras_tolerance_moves_no_wheel() {
             [10.0, 0.0].map(|yaw_tolerance_deg| Drawn::draw(&scene_with("uniform", yaw_tolerance_deg), seed));
         assert_eq!(loose.base.wheel_radius_m, tight.base.wheel_radius_m);
         assert_eq!(loose.start, tight.start);
-        assert_ne!(loose.devices.floor_camera.unwrap().yaw_rad, tight.devices.floor_camera.unwrap().yaw_rad);
+        assert_ne!(
+            loose.devices.floor_camera.unwrap().body_from_camera,
+            tight.devices.floor_camera.unwrap().body_from_camera
+        );
     }
 }

@@ -1,39 +1,22 @@
-//! What cameras have in common: true mount and lens, how these are drawn at random, and how far they differ from the nominal ones.
+//! A camera as it truly is: its mount and lens, how these are drawn at random, and how far they differ from the nominal ones.
 
 mod lenses;
 
-use localizer::bounds::Assumption;
+use localizer::{bounds::Assumption, reading::Camera};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
     optics::{Lens, mounts},
-    scene::{Calibration, CeilingCamera, Distribution, ForwardCamera},
-    truth::randomness::{draw_tilt, draw_within},
+    scene::{Calibration, CameraKeys, Distribution},
+    truth::randomness::{draw_tilt, draw_within, stream},
 };
 
-use super::{ToldKey, farthest};
+use super::{DrawnDevices, ToldKey, farthest};
 
-pub use lenses::{world_from_camera, world_from_floor_camera};
+pub use lenses::world_from_camera;
 
-/// True mount and lens of the floor camera.
-#[derive(Clone, Copy, Debug)]
-pub struct DrawnFloorCamera {
-    /// Position of the camera's optical centre in the robot frame: forward and left.
-    pub position_m: [f64; 2],
-    /// Height of the camera's optical centre above the floor with the body at rest.
-    pub height_m: f64,
-    /// Focal length in pixels; `focal_px / height_m` is the true scale of the image at rest.
-    pub focal_px: f64,
-    /// Rotation of the image about the body's vertical, counter-clockwise seen from above.
-    pub yaw_rad: f64,
-    /// Rotation vector by which the optical axis deviates from the body's vertical, about robot x and robot y; its norm is within the tolerance.
-    pub tilt_rad: [f64; 2],
-    /// Distortion coefficients k1, k2, p1, p2, k3 of Brown and Conrady's model.
-    pub distortion: [f64; 5],
-}
-
-/// True mount and lens of a camera that looks ahead or up.
+/// True mount and lens of a camera.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnCamera {
     /// Pose of the camera in the robot frame.
@@ -47,34 +30,30 @@ pub struct DrawnCamera {
 }
 
 impl DrawnCamera {
-    /// The forward camera without any error.
-    pub fn forward(camera: &ForwardCamera) -> DrawnCamera {
-        let size_px = [camera.width_px, camera.height_px].map(f64::from);
+    /// A camera without any error.
+    pub fn nominal(camera: &dyn CameraKeys) -> DrawnCamera {
         DrawnCamera {
-            body_from_camera: mounts::body_from_forward_camera(camera),
-            focal_px: [mounts::forward_focal_px(camera); 2],
-            principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
-            distortion: camera.lens.distortion,
+            body_from_camera: mounts::body_from_camera(camera),
+            focal_px: camera.focal_px(),
+            principal_point_px: camera.principal_point_px(),
+            distortion: camera.shared().lens.distortion,
         }
     }
 
-    /// The ceiling camera without any error.
-    pub fn ceiling(camera: &CeilingCamera) -> DrawnCamera {
-        DrawnCamera {
-            body_from_camera: mounts::body_from_ceiling_camera(camera),
-            focal_px: camera.focal_px,
-            principal_point_px: camera.principal_point_px,
-            distortion: camera.lens.distortion,
-        }
+    /// A camera with errors of mount and lens that are drawn within the tolerances of its calibration.
+    pub(super) fn draw(
+        camera: &dyn CameraKeys,
+        calibration: &Calibration,
+        errors: Distribution,
+        seed: u64,
+    ) -> DrawnCamera {
+        let rng = &mut stream(seed, &format!("{}_camera.mount", camera.name().as_str()));
+        let drawn = DrawnCamera::nominal(camera).misplaced(calibration, errors, rng);
+        drawn.bent(camera, calibration.distortion_tolerance_px, errors, seed)
     }
 
     /// This nominal camera with errors of mount and lens drawn within their tolerances; its distortion stays.
-    pub(super) fn misplaced(
-        self,
-        calibration: &Calibration,
-        errors: Distribution,
-        rng: &mut ChaCha8Rng,
-    ) -> DrawnCamera {
+    fn misplaced(self, calibration: &Calibration, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnCamera {
         let shift_m = [0; 3].map(|_| draw_within(calibration.position_tolerance_m, errors, rng));
         let tilt_rad = draw_tilt(calibration.angle_tolerance_deg, errors, rng);
         let yaw_rad = draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng);
@@ -85,6 +64,30 @@ impl DrawnCamera {
             focal_px: self.focal_px.map(|focal_px| focal_px * scale),
             principal_point_px: self.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
             ..self
+        }
+    }
+
+    /// This camera with an error of its distortion that moves no pixel by more than the tolerance.
+    pub(super) fn bent(
+        self,
+        camera: &dyn CameraKeys,
+        tolerance_px: f64,
+        errors: Distribution,
+        seed: u64,
+    ) -> DrawnCamera {
+        let rng = &mut stream(seed, &format!("{}_camera.distortion", camera.name().as_str()));
+        let off_px = draw_within(tolerance_px, errors, rng);
+        DrawnCamera { distortion: Lens::of(camera, &self).bent_further(off_px), ..self }
+    }
+}
+
+impl DrawnDevices {
+    /// True mount and lens of the camera of this name; `None` if the robot does not have it.
+    pub fn camera(&self, name: Camera) -> Option<DrawnCamera> {
+        match name {
+            Camera::Floor => self.floor_camera,
+            Camera::Forward => self.forward_camera,
+            Camera::Ceiling => self.ceiling_camera,
         }
     }
 }
@@ -98,10 +101,13 @@ pub(super) struct Off {
     /// Error of the focal length as a share of it, along the axis where it is greater.
     pub(super) focal: f64,
     pub(super) principal_point_px: f64,
+    /// Greatest distance along u or v, anywhere in the image, between where the true distortion and the stated one put a pixel.
+    pub(super) bent_px: f64,
 }
 
 impl Off {
-    pub(super) fn of(drawn: &DrawnCamera, nominal: &DrawnCamera) -> Off {
+    pub(super) fn of(drawn: &DrawnCamera, camera: &dyn CameraKeys) -> Off {
+        let nominal = DrawnCamera::nominal(camera);
         let shift_m = drawn.body_from_camera.translation.vector - nominal.body_from_camera.translation.vector;
         let turn = drawn.body_from_camera.rotation * nominal.body_from_camera.rotation.inverse();
         let (tilt_rad, yaw_rad) = tilt_and_yaw(turn);
@@ -111,6 +117,7 @@ impl Off {
             yaw_rad: yaw_rad.abs(),
             focal: farthest([0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]), [1.0; 2]),
             principal_point_px: farthest(drawn.principal_point_px, nominal.principal_point_px),
+            bent_px: bent_px(&Lens::of(camera, drawn), nominal.distortion),
         }
     }
 }
@@ -123,7 +130,7 @@ fn tilt_and_yaw(turn: UnitQuaternion<f64>) -> (f64, f64) {
 
 /// Greatest distance in pixels, along u or v, between the image points of one ray with the true and with the declared distortion
 /// coefficients. It occurs at a corner of the image, as the error grows with the third power of the distance from the middle.
-pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
+fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
     let declared = Lens { distortion: declared, ..lens.clone() };
     let off_px = lens.corners().into_iter().flat_map(|ray| {
         let (seen, stated) = (lens.pixel(ray), declared.pixel(ray));
@@ -132,9 +139,11 @@ pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
     off_px.fold(0.0, f64::max)
 }
 
-/// Names of the bounds on the calibration of the forward or the ceiling camera, grouped by the key of the scene that states them.
+/// Names of the bounds on the calibration of a camera, grouped by the key of the scene that states them.
 pub(super) struct CalibrationBounds {
+    /// Bounds on the position forward and left, and on the height.
     pub(super) position: &'static [Assumption],
+    /// Bounds on yaw and on tilt.
     pub(super) angles: &'static [Assumption],
     pub(super) focal: &'static [Assumption],
     pub(super) principal_point: &'static [Assumption],
@@ -152,5 +161,26 @@ impl CalibrationBounds {
             ToldKey::is(self.distortion, &mut calibration.distortion_tolerance_px),
         ];
         keys.into_iter().filter(|key| !key.bounds.is_empty()).collect()
+    }
+
+    /// The bounds named in this table, each with the declared value and the true one.
+    pub(super) fn constants(
+        &self,
+        calibration: &Calibration,
+        camera: &dyn CameraKeys,
+        drawn: &DrawnCamera,
+    ) -> Vec<(Assumption, f64, f64)> {
+        let off = Off::of(drawn, camera);
+        let groups: [(&[Assumption], f64, &[f64]); 5] = [
+            (self.position, calibration.position_tolerance_m, &off.place_m),
+            (self.angles, calibration.angle_tolerance_deg.to_radians(), &[off.yaw_rad, off.tilt_rad]),
+            (self.focal, calibration.focal_tolerance, &[off.focal]),
+            (self.principal_point, calibration.principal_point_tolerance_px, &[off.principal_point_px]),
+            (self.distortion, calibration.distortion_tolerance_px, &[off.bent_px]),
+        ];
+        let of_group = |(names, declared, off): (&[Assumption], f64, &[f64])| {
+            names.iter().zip(off).map(|(name, off)| (*name, declared, *off)).collect::<Vec<_>>()
+        };
+        groups.into_iter().flat_map(of_group).collect()
     }
 }

@@ -9,14 +9,13 @@ use localizer::{
 };
 
 use crate::{
-    optics::{AutoExposure, Lens},
-    scene::{CeilingCamera, Distribution, MethodName, Scene},
-    truth::randomness::{draw_within, stream},
+    optics::AutoExposure,
+    scene::{CameraKeys, CeilingCamera, Distribution, MethodName, Scene},
 };
 
 use super::{
     Device, ToldKey,
-    camera::{CalibrationBounds, DrawnCamera, Off, bent_px},
+    camera::{CalibrationBounds, DrawnCamera},
     relative,
 };
 
@@ -32,11 +31,7 @@ impl Device for CeilingCamera {
     type Drawn = DrawnCamera;
 
     fn draw(&self, errors: Distribution, seed: u64) -> DrawnCamera {
-        let mut rng = stream(seed, "ceiling_camera.mount");
-        let drawn = DrawnCamera::ceiling(self).misplaced(&self.calibration, errors, &mut rng);
-        let tolerance_px = self.calibration.distortion_tolerance_px;
-        let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "ceiling_camera.distortion"));
-        DrawnCamera { distortion: Lens::ceiling(self, &drawn).bent_further(off_px), ..drawn }
+        DrawnCamera::draw(self, &self.calibration, errors, seed)
     }
 
     fn method(&self, _name: MethodName, _scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
@@ -52,18 +47,7 @@ impl Device for CeilingCamera {
     }
 
     fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
-        let (calibration, off) = (&self.calibration, Off::of(drawn, &DrawnCamera::ceiling(self)));
-        let (angle_rad, position_m) = (calibration.angle_tolerance_deg.to_radians(), calibration.position_tolerance_m);
-        let off_px = bent_px(&Lens::ceiling(self, drawn), self.lens.distortion);
-        vec![
-            (bounds::CEILING_CAMERA_POSITION, position_m, off.place_m[0]),
-            (bounds::CEILING_CAMERA_HEIGHT, position_m, off.place_m[1]),
-            (bounds::CEILING_CAMERA_YAW, angle_rad, off.yaw_rad),
-            (bounds::CEILING_CAMERA_TILT, angle_rad, off.tilt_rad),
-            (bounds::CEILING_CAMERA_FOCAL, calibration.focal_tolerance, off.focal),
-            (bounds::CEILING_CAMERA_CENTRE, calibration.principal_point_tolerance_px, off.principal_point_px),
-            (bounds::CEILING_CAMERA_DISTORTION, calibration.distortion_tolerance_px, off_px),
-        ]
+        BOUNDS.constants(&self.calibration, self, drawn)
     }
 
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {

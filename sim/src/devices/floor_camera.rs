@@ -7,38 +7,40 @@ use localizer::{
     methods::floor_tiles::{Chain, FloorTiles},
     robot::FloorCameraModel,
 };
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, vector};
 
 use crate::{
-    optics::Lens,
-    scene::{Distribution, FloorCamera, FloorTilesChain, MethodName, Scene},
+    scene::{CameraKeys, Distribution, FloorCamera, FloorTilesChain, MethodName, Scene},
     truth::randomness::{draw_tilt, draw_within, stream},
 };
 
 use super::{
     Device, ToldKey,
-    camera::{DrawnFloorCamera, bent_px},
-    farthest, relative,
+    camera::{DrawnCamera, Off},
+    relative,
 };
 
 impl Device for FloorCamera {
-    type Drawn = DrawnFloorCamera;
+    type Drawn = DrawnCamera;
 
-    fn draw(&self, errors: Distribution, seed: u64) -> DrawnFloorCamera {
-        let mut rng = stream(seed, "floor_camera.mount");
-        let position_m = [self.forward_m, self.left_m]
-            .map(|nominal_m| nominal_m + draw_within(self.position_tolerance_m, errors, &mut rng));
-        let px_per_m = self.nominal_px_per_m() * (1.0 + draw_within(self.scale_tolerance, errors, &mut rng));
-        let tilt_rad = draw_tilt(self.tilt_tolerance_deg, errors, &mut rng);
-        let drawn = DrawnFloorCamera {
-            position_m,
-            height_m: self.height_m,
-            focal_px: px_per_m * self.height_m,
-            yaw_rad: draw_within(self.yaw_tolerance_deg.to_radians(), errors, &mut rng),
-            tilt_rad,
-            distortion: self.lens.distortion,
-        };
-        let off_px = draw_within(self.distortion_tolerance_px, errors, &mut stream(seed, "floor_camera.distortion"));
-        DrawnFloorCamera { distortion: Lens::floor(self, &drawn).bent_further(off_px), ..drawn }
+    /// A floor camera is calibrated on the floor: errors are those of its position over the floor and of the scale of its image there. Its height is
+    /// the nominal one, and the error of the scale is one of the focal length.
+    fn draw(&self, errors: Distribution, seed: u64) -> DrawnCamera {
+        let rng = &mut stream(seed, "floor_camera.mount");
+        let [forward_m, left_m] = [self.forward_m, self.left_m]
+            .map(|nominal_m| nominal_m + draw_within(self.position_tolerance_m, errors, rng));
+        let pixels_per_m = self.pixels_per_m() * (1.0 + draw_within(self.scale_tolerance, errors, rng));
+        let [about_x_rad, about_y_rad] = draw_tilt(self.tilt_tolerance_deg, errors, rng);
+        let yaw_rad = draw_within(self.yaw_tolerance_deg.to_radians(), errors, rng);
+        let nominal = DrawnCamera::nominal(self);
+        let turn = UnitQuaternion::from_scaled_axis(vector![about_x_rad, about_y_rad, 0.0])
+            * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
+        let body_from_camera = Isometry3::from_parts(
+            Translation3::new(forward_m, left_m, self.height_m),
+            turn * nominal.body_from_camera.rotation,
+        );
+        let drawn = DrawnCamera { body_from_camera, focal_px: [pixels_per_m * self.height_m; 2], ..nominal };
+        drawn.bent(self, self.distortion_tolerance_px, errors, seed)
     }
 
     fn method(&self, _name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
@@ -57,36 +59,25 @@ impl Device for FloorCamera {
         scene.localizer.methods.contains(&MethodName::FloorTiles)
     }
 
-    fn constants(&self, drawn: &DrawnFloorCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
-        let (nominal, true_px_per_m) = (self.nominal_px_per_m(), drawn.focal_px / drawn.height_m);
+    fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
+        let (off, nominal) = (Off::of(drawn, self), self.pixels_per_m());
+        let true_pixels_per_m = drawn.focal_px[0] / self.height_m;
         vec![
-            (
-                bounds::FLOOR_CAMERA_POSITION,
-                self.position_tolerance_m,
-                farthest(drawn.position_m, [self.forward_m, self.left_m]),
-            ),
-            (bounds::FLOOR_CAMERA_YAW, self.yaw_tolerance_deg.to_radians(), drawn.yaw_rad.abs()),
-            (
-                bounds::FLOOR_CAMERA_TILT,
-                self.tilt_tolerance_deg.to_radians(),
-                drawn.tilt_rad[0].hypot(drawn.tilt_rad[1]),
-            ),
-            (bounds::FLOOR_CAMERA_SCALE, nominal * self.scale_tolerance, (true_px_per_m - nominal).abs()),
-            (
-                bounds::FLOOR_CAMERA_DISTORTION,
-                self.distortion_tolerance_px,
-                bent_px(&Lens::floor(self, drawn), self.lens.distortion),
-            ),
+            (bounds::FLOOR_CAMERA_POSITION, self.position_tolerance_m, off.place_m[0]),
+            (bounds::FLOOR_CAMERA_YAW, self.yaw_tolerance_deg.to_radians(), off.yaw_rad),
+            (bounds::FLOOR_CAMERA_TILT, self.tilt_tolerance_deg.to_radians(), off.tilt_rad),
+            (bounds::FLOOR_CAMERA_SCALE, nominal * self.scale_tolerance, (true_pixels_per_m - nominal).abs()),
+            (bounds::FLOOR_CAMERA_DISTORTION, self.distortion_tolerance_px, off.bent_px),
         ]
     }
 
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
-        let nominal_px_per_m = self.nominal_px_per_m();
+        let nominal_pixels_per_m = self.pixels_per_m();
         vec![
             ToldKey::is(&[bounds::FLOOR_CAMERA_POSITION], &mut self.position_tolerance_m),
             ToldKey::is_in_deg(&[bounds::FLOOR_CAMERA_YAW], &mut self.yaw_tolerance_deg),
             ToldKey::is_in_deg(&[bounds::FLOOR_CAMERA_TILT], &mut self.tilt_tolerance_deg),
-            ToldKey::is_share_of(&[bounds::FLOOR_CAMERA_SCALE], &mut self.scale_tolerance, nominal_px_per_m),
+            ToldKey::is_share_of(&[bounds::FLOOR_CAMERA_SCALE], &mut self.scale_tolerance, nominal_pixels_per_m),
             ToldKey::is(&[bounds::FLOOR_CAMERA_DISTORTION], &mut self.distortion_tolerance_px),
             ToldKey::is(&[bounds::FLOOR_CAMERA_STAMP], &mut self.stamp_tolerance_s),
         ]
@@ -100,7 +91,7 @@ impl FloorCamera {
         FloorCameraModel {
             width_px: self.width_px,
             height_px: self.height_px,
-            pixels_per_m: relative(self.nominal_px_per_m(), self.scale_tolerance),
+            pixels_per_m: relative(self.pixels_per_m(), self.scale_tolerance),
             height_m: self.height_m,
             distortion: self.lens.distortion,
             distortion_px: self.distortion_tolerance_px,
@@ -111,10 +102,5 @@ impl FloorCamera {
             stamp_error_s: self.stamp_tolerance_s,
             q_items: self.q_items,
         }
-    }
-
-    /// Pixels per metre of floor with the body at rest, according to the calibration.
-    fn nominal_px_per_m(&self) -> f64 {
-        f64::from(self.width_px) / self.footprint_width_m
     }
 }

@@ -8,15 +8,11 @@ use localizer::{
     robot::ForwardCameraModel,
 };
 
-use crate::{
-    optics::{Lens, mounts::forward_focal_px},
-    scene::{Distribution, ForwardCamera, MethodName, Scene, WallDirectionsChain},
-    truth::randomness::{draw_within, stream},
-};
+use crate::scene::{CameraKeys, Distribution, ForwardCamera, MethodName, Scene, WallDirectionsChain};
 
 use super::{
     Device, ToldKey,
-    camera::{CalibrationBounds, DrawnCamera, Off, bent_px},
+    camera::{CalibrationBounds, DrawnCamera},
     relative,
 };
 
@@ -33,11 +29,7 @@ impl Device for ForwardCamera {
     type Drawn = DrawnCamera;
 
     fn draw(&self, errors: Distribution, seed: u64) -> DrawnCamera {
-        let mut rng = stream(seed, "forward_camera.mount");
-        let drawn = DrawnCamera::forward(self).misplaced(&self.calibration, errors, &mut rng);
-        let tolerance_px = self.calibration.distortion_tolerance_px;
-        let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "forward_camera.distortion"));
-        DrawnCamera { distortion: Lens::forward(self, &drawn).bent_further(off_px), ..drawn }
+        DrawnCamera::draw(self, &self.calibration, errors, seed)
     }
 
     fn method(&self, _name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
@@ -66,16 +58,7 @@ impl Device for ForwardCamera {
     }
 
     fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
-        let (calibration, off) = (&self.calibration, Off::of(drawn, &DrawnCamera::forward(self)));
-        let angle_rad = calibration.angle_tolerance_deg.to_radians();
-        let off_px = bent_px(&Lens::forward(self, drawn), self.lens.distortion);
-        vec![
-            (bounds::FORWARD_CAMERA_YAW, angle_rad, off.yaw_rad),
-            (bounds::FORWARD_CAMERA_TILT, angle_rad, off.tilt_rad),
-            (bounds::FORWARD_CAMERA_FOCAL, calibration.focal_tolerance, off.focal),
-            (bounds::FORWARD_CAMERA_PRINCIPAL_POINT, calibration.principal_point_tolerance_px, off.principal_point_px),
-            (bounds::FORWARD_CAMERA_DISTORTION, calibration.distortion_tolerance_px, off_px),
-        ]
+        BOUNDS.constants(&self.calibration, self, drawn)
     }
 
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
@@ -90,11 +73,10 @@ impl ForwardCamera {
     pub(crate) fn model(&self) -> ForwardCameraModel {
         let calibration = &self.calibration;
         let angle_rad = calibration.angle_tolerance_deg.to_radians();
-        let middle_px = [self.width_px, self.height_px].map(|size| (f64::from(size) - 1.0) / 2.0);
         let around = |at_px: f64| Interval::centred(at_px, calibration.principal_point_tolerance_px);
         ForwardCameraModel {
-            focal_px: relative(forward_focal_px(self), calibration.focal_tolerance),
-            principal_point_px: middle_px.map(around),
+            focal_px: relative(self.focal_px()[0], calibration.focal_tolerance),
+            principal_point_px: self.principal_point_px().map(around),
             distortion: self.lens.distortion,
             distortion_px: calibration.distortion_tolerance_px,
             tilt_up_rad: self.tilt_up_deg.to_radians(),

@@ -8,7 +8,7 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;
 use crate::{
-    devices::camera::{DrawnFloorCamera, world_from_camera, world_from_floor_camera},
+    devices::camera::{DrawnCamera, world_from_camera},
     optics::Lens,
     run::{ImageRecord, RunRecord},
     scene::Scene,
@@ -62,7 +62,7 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     else {
         return false;
     };
-    let lens = Lens::floor(camera, mount);
+    let lens = Lens::of(camera, mount);
     let mut near: BTreeMap<(usize, i32), usize> = BTreeMap::new();
     for &[u_px, v_px, bound_px] in points_px {
         let look = |du_px: f64, dv_px: f64| on_floor([u_px + du_px, v_px + dv_px], &lens, truth, mount);
@@ -115,7 +115,7 @@ fn sight_planes(
     truth: &Truth,
 ) -> Option<[Vector3<f64>; 4]> {
     let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.devices.forward_camera.as_ref()?);
-    let lens = Lens::forward(camera, mount);
+    let lens = Lens::of(camera, mount);
     let camera_in_world = world_from_camera(truth, mount).rotation;
     let [[u0, v0], [u1, v1]] = ends_px;
     let length_px = (u1 - u0).hypot(v1 - v0);
@@ -153,10 +153,10 @@ fn slopes(look: &dyn Fn(f64, f64) -> Option<Point2<f64>>) -> Option<[[f64; 2]; 2
 }
 
 /// Point on the floor that a pixel of the floor camera sees when its row is exposed; `None` if the pixel's ray does not meet the floor.
-fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnFloorCamera) -> Option<Point2<f64>> {
+fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnCamera) -> Option<Point2<f64>> {
     let [x, y] = lens.ray([u_px, v_px])?;
     let after_middle_s = (v_px - 0.5 * f64::from(lens.size_px[1] - 1)) * lens.row_time_s;
-    let world_from_camera = world_from_floor_camera(&moved_on(truth, after_middle_s), mount);
+    let world_from_camera = world_from_camera(&moved_on(truth, after_middle_s), mount);
     let direction = world_from_camera * Vector3::new(x, y, 1.0);
     let origin = world_from_camera * Point3::origin();
     let place = origin - direction * (origin.z / direction.z);

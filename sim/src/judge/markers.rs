@@ -42,7 +42,7 @@ impl Sight {
     pub(super) fn new(scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<Sight> {
         let (camera, mount) = (scene.robot.ceiling_camera.as_ref()?, drawn.devices.ceiling_camera.as_ref()?);
         let camera_from_world = world_from_camera(truth, mount).inverse();
-        Some(Sight { lens: Lens::ceiling(camera, mount), camera_from_world })
+        Some(Sight { lens: Lens::of(camera, mount), camera_from_world })
     }
 
     /// Pixel at which a point in the world is seen; `None` for a point behind the camera.

@@ -18,7 +18,7 @@ use serde_json::Value;
 
 use super::Robot;
 
-pub use camera::{Band, Calibration, CameraTiming, LensKeys};
+pub use camera::{Band, Calibration, CameraKeys, CameraTiming, LensKeys, Looks, SharedKeys};
 pub use ceiling_camera::CeilingCamera;
 pub use delivery::Delivery;
 pub use encoders::Encoders;

@@ -1,13 +1,9 @@
 //! The robot's cameras as recordings name and describe them.
 
 use localizer::reading::Camera;
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::Isometry3;
 
-use crate::{
-    devices::camera::DrawnCamera,
-    optics::{Intrinsics, mounts::mount_from_looking_down},
-    scene::Scene,
-};
+use crate::{devices::camera::DrawnCamera, scene::Scene};
 
 /// Names of a camera's coordinate frame and of its topics.
 pub(crate) struct Topics {
@@ -52,33 +48,16 @@ impl NominalCamera {
     }
 
     fn of(scene: &Scene, name: Camera) -> Option<NominalCamera> {
-        let (mount, size_px) = match name {
-            Camera::Floor => return NominalCamera::floor(scene),
-            Camera::Forward => {
-                let camera = scene.robot.forward_camera.as_ref()?;
-                (DrawnCamera::forward(camera), [camera.width_px, camera.height_px])
-            }
-            Camera::Ceiling => {
-                let camera = scene.robot.ceiling_camera.as_ref()?;
-                (DrawnCamera::ceiling(camera), [camera.width_px, camera.height_px])
-            }
-        };
-        let DrawnCamera { body_from_camera: robot_from_camera, focal_px, principal_point_px, distortion } = mount;
-        Some(NominalCamera { name, size_px, focal_px, principal_point_px, distortion, robot_from_camera })
-    }
-
-    fn floor(scene: &Scene) -> Option<NominalCamera> {
-        let camera = scene.robot.floor_camera.as_ref()?;
-        let size_px = [camera.width_px, camera.height_px];
-        let focal_px = f64::from(camera.width_px) / camera.footprint_width_m * camera.height_m;
-        let place = Translation3::new(camera.forward_m, camera.left_m, camera.height_m);
+        let camera = scene.robot.camera(name)?;
+        let DrawnCamera { body_from_camera, focal_px, principal_point_px, distortion } = DrawnCamera::nominal(camera);
+        let size_px = camera.shared().size_px;
         Some(NominalCamera {
-            name: Camera::Floor,
+            name,
             size_px,
-            focal_px: [focal_px; 2],
-            principal_point_px: Intrinsics::centred(size_px, focal_px).principal_point_px,
-            distortion: camera.lens.distortion,
-            robot_from_camera: Isometry3::from_parts(place, mount_from_looking_down()),
+            focal_px,
+            principal_point_px,
+            distortion,
+            robot_from_camera: body_from_camera,
         })
     }
 }

@@ -5,6 +5,7 @@ use std::{
     process, thread,
 };
 
+use localizer::reading::Camera;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -13,7 +14,7 @@ use crate::{
     loading::SceneFile,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
-    scene::{Scene, SceneError},
+    scene::{Scene, SceneError, SharedKeys},
     subject::IntervalLocalizer,
 };
 
@@ -137,12 +138,11 @@ fn reason(error: &SceneError) -> String {
 }
 
 fn pixels_per_s(scene: &Scene) -> f64 {
-    let robot = &scene.robot;
-    let floor = robot.floor_camera.as_ref().map(|camera| (camera.width_px, camera.height_px, camera.period_s));
-    let forward = robot.forward_camera.as_ref().map(|camera| (camera.width_px, camera.height_px, camera.period_s));
-    let ceiling = robot.ceiling_camera.as_ref().map(|camera| (camera.width_px, camera.height_px, camera.period_s));
-    let fitted = [floor, forward, ceiling].into_iter().flatten();
-    fitted.map(|(width, height, period_s)| f64::from(width) * f64::from(height) / period_s).sum()
+    let of = |name: Camera| {
+        let SharedKeys { size_px: [width, height], period_s, .. } = scene.robot.camera(name)?.shared();
+        Some(f64::from(width) * f64::from(height) / period_s)
+    };
+    Camera::ALL.into_iter().filter_map(of).sum()
 }
 
 fn tell(told: &Told) -> io::Result<()> {

@@ -3,7 +3,7 @@
 use localizer::{bounds, reading::Camera};
 
 use crate::{
-    devices::{Device, camera::world_from_floor_camera},
+    devices::{Device, camera::world_from_camera},
     run::{ImageRecord, RunRecord},
     scene::{FloorCamera, Scene},
 };
@@ -39,7 +39,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
 /// The point on the floor below the floor camera.
 fn view_centre(image: &ImageRecord, record: &RunRecord) -> Option<[f64; 2]> {
     let mount = record.drawn.devices.floor_camera.as_ref()?;
-    let position = world_from_floor_camera(&image.truth, mount).translation.vector;
+    let position = world_from_camera(&image.truth, mount).translation.vector;
     Some([position.x, position.y])
 }
 

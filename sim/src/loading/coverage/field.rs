@@ -44,7 +44,7 @@ impl Field {
     /// ceiling camera or no markers, or if the margin leaves nothing of the image.
     pub fn new(scene: &Scene, margin_px: f64) -> Option<Field> {
         let (camera, markers) = (scene.robot.ceiling_camera.as_ref()?, scene.markers.as_ref()?);
-        let (robot, known) = (scene.robot_model(), DrawnCamera::ceiling(camera));
+        let (robot, known) = (scene.robot_model(), DrawnCamera::nominal(camera));
         let model = robot.ceiling_camera.as_ref()?;
         let [left, right, top, bottom] = half_angles(camera, margin_px)?;
         let inward = [

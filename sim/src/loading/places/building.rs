@@ -1,11 +1,13 @@
 //! Contradictions of a scene about lamps, doors, pictures, dots and lenses.
 
 use crate::{
+    devices::camera::DrawnCamera,
     loading::parse::Contradiction,
     optics::Lens,
     place::building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
-    scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene},
+    scene::{Lamp, LampKind, MAX_LAMPS, Scene},
 };
+use localizer::reading::Camera;
 use nalgebra::Point3;
 
 /// Distance outside of the robot's room up to which a lamp may be when there are further rooms.
@@ -183,22 +185,9 @@ fn lamp_problem(scene: &Scene, rooms: &[Enclosure], walls: &[Side], lamp: &Lamp)
 /// Finds lenses whose principal point is outside the image, or whose distortion folds the image over. The corners and edges, where this happens
 /// first, are among the 25 pixels that are tested.
 fn lenses(scene: &Scene, found: &mut Vec<Contradiction>) {
-    let robot = &scene.robot;
-    let forward = robot.forward_camera.as_ref().map(|camera| {
-        let focal_px = crate::optics::mounts::forward_focal_px(camera);
-        ("robot.forward_camera", Lens::ideal([camera.width_px, camera.height_px], focal_px), &camera.lens)
-    });
-    let ceiling = robot.ceiling_camera.as_ref().map(|camera| {
-        let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
-        let lens = Lens { focal_px: camera.focal_px, principal_point_px: camera.principal_point_px, ..ideal };
-        ("robot.ceiling_camera", lens, &camera.lens)
-    });
-    let floor = robot.floor_camera.as_ref().map(|camera| {
-        let focal_px = f64::from(camera.width_px) / camera.footprint_width_m * camera.height_m;
-        ("robot.floor_camera", Lens::ideal([camera.width_px, camera.height_px], focal_px), &camera.lens)
-    });
-    for (key, lens, LensKeys { distortion, .. }) in floor.into_iter().chain(forward).chain(ceiling) {
-        let lens = Lens { distortion: *distortion, ..lens };
+    for camera in Camera::ALL.into_iter().filter_map(|name| scene.robot.camera(name)) {
+        let key = format!("robot.{}_camera", camera.name().as_str());
+        let lens = Lens::of(camera, &DrawnCamera::nominal(camera));
         let [width, height] = lens.size_px.map(|size| f64::from(size) - 1.0);
         let places = [0.0, 0.25, 0.5, 0.75, 1.0];
         let folds = places.iter().any(|s| places.iter().any(|t| lens.ray([s * width, t * height]).is_none()));

@@ -2,116 +2,71 @@
 
 use crate::{
     loading::parse::Contradiction,
-    scene::{CeilingCamera, FloorCamera, ForwardCamera, LensKeys, Scene, Sensor, SensorModel},
+    scene::{CameraKeys, Scene, SharedKeys},
 };
 use localizer::reading::Camera;
 
 /// Tolerance for rounding when times are compared: sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody states a period that finely.
 const ROUNDING_S: f64 = 1e-9;
 
-/// Keys that all cameras have in common.
-struct Keys<'a> {
-    name: &'static str,
-    camera: Camera,
-    sensor: &'a Sensor,
-    model: SensorModel,
-    lens: &'a LensKeys,
-    height_px: u32,
-}
-
 /// All contradictions in `scene` about its cameras' exposures and black levels.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
-    let robot = &scene.robot;
-    let floor = robot.floor_camera.as_ref().map(Keys::floor);
-    let forward = robot.forward_camera.as_ref().map(Keys::forward);
-    let ceiling = robot.ceiling_camera.as_ref().map(Keys::ceiling);
-    for keys in floor.into_iter().chain(forward).chain(ceiling) {
-        let problems = [exposure_problem(&keys), black_level_problem(&keys), period_problem(scene, &keys)];
-        found.extend(
-            problems
-                .into_iter()
-                .flatten()
-                .map(|(key, expected)| Contradiction { key: format!("robot.{}_camera.{key}", keys.name), expected }),
-        );
-    }
-    if let Some(camera) = &robot.forward_camera
-        && let Some(turning_s) = camera.turning_exposure_s
-        && turning_s > camera.sensor_model().longest_exposure_s
-    {
-        let longest_s = camera.sensor_model().longest_exposure_s;
-        let expected = format!("expected at most the longest exposure, which is {longest_s}");
-        found.push(Contradiction { key: "robot.forward_camera.turning_exposure_s".to_owned(), expected });
+    for camera in Camera::ALL.into_iter().filter_map(|name| scene.robot.camera(name)) {
+        let problems = [
+            exposure_problem(camera),
+            black_level_problem(camera),
+            period_problem(camera),
+            turning_exposure_problem(camera),
+        ];
+        found.extend(problems.into_iter().flatten().map(|(key, expected)| Contradiction {
+            key: format!("robot.{}_camera.{key}", camera.name().as_str()),
+            expected,
+        }));
     }
 }
 
-fn exposure_problem(keys: &Keys) -> Option<(&'static str, String)> {
-    let (fixed_s, longest_s) = keys.sensor.exposure_s.zip(keys.sensor.longest_exposure_s)?;
+fn turning_exposure_problem(camera: &dyn CameraKeys) -> Option<(&'static str, String)> {
+    let longest_s = camera.sensor_model().longest_exposure_s;
+    let is_too_long = camera.turning_exposure_s().is_some_and(|turning_s| turning_s > longest_s);
+    let expected = || format!("expected at most the longest exposure, which is {longest_s}");
+    is_too_long.then(|| ("turning_exposure_s", expected()))
+}
+
+fn exposure_problem(camera: &dyn CameraKeys) -> Option<(&'static str, String)> {
+    let sensor = camera.shared().sensor;
+    let (fixed_s, longest_s) = sensor.exposure_s.zip(sensor.longest_exposure_s)?;
     let expected = || format!("expected at most `longest_exposure_s`, which is {longest_s}");
     (fixed_s > longest_s).then(|| ("sensor.exposure_s", expected()))
 }
 
-fn black_level_problem(keys: &Keys) -> Option<(&'static str, String)> {
-    let greatest = keys.model.bits.greatest_level();
+fn black_level_problem(camera: &dyn CameraKeys) -> Option<(&'static str, String)> {
+    let model = camera.sensor_model();
+    let greatest = model.bits.greatest_level();
     let expected = || {
-        let bits = keys.model.bits.bits();
+        let bits = model.bits.bits();
         format!("leaves no level for light, expected less than {greatest}, the greatest level of {bits} bits")
     };
-    (keys.model.black_level >= f64::from(greatest)).then(|| ("sensor.black_level", expected()))
+    (model.black_level >= f64::from(greatest)).then(|| ("sensor.black_level", expected()))
 }
 
 /// Checks that one image is read out before the next is exposed, as in sensors whose rows share their circuits.
-fn period_problem(scene: &Scene, keys: &Keys) -> Option<(&'static str, String)> {
-    let timing = scene.robot.camera_timing(keys.camera)?;
-    let (period_s, exposure_s) = (timing.period_s, keys.model.longest_exposure_s);
+fn period_problem(camera: &dyn CameraKeys) -> Option<(&'static str, String)> {
+    let (timing, model, SharedKeys { size_px: [_, height_px], lens, .. }) =
+        (camera.timing(), camera.sensor_model(), camera.shared());
+    let (period_s, exposure_s) = (timing.period_s, model.longest_exposure_s);
     if timing.longest_s <= period_s + ROUNDING_S {
         return None;
     }
-    if exposure_s > period_s + ROUNDING_S || keys.lens.row_time_s == 0.0 {
-        let key = if keys.model.is_fixed { "sensor.exposure_s" } else { "sensor.longest_exposure_s" };
+    if exposure_s > period_s + ROUNDING_S || lens.row_time_s == 0.0 {
+        let key = if model.is_fixed { "sensor.exposure_s" } else { "sensor.longest_exposure_s" };
         let expected = format!(
             "{exposure_s} s is longer than the camera's `period_s`, expected at most {period_s}, from image to image"
         );
         return Some((key, expected));
     }
-    let most_s = (period_s - exposure_s).max(0.0) / f64::from(keys.height_px - 1);
+    let most_s = (period_s - exposure_s).max(0.0) / f64::from(height_px - 1);
     let expected = format!(
-        "{} rows after an exposure of up to {exposure_s} s take longer than the camera's `period_s`, {period_s}, expected at most {most_s:.3e}",
-        keys.height_px
+        "{height_px} rows after an exposure of up to {exposure_s} s take longer than the camera's `period_s`, {period_s}, expected at most {most_s:.3e}"
     );
     Some(("lens.row_time_s", expected))
-}
-
-impl Keys<'_> {
-    fn floor(camera: &FloorCamera) -> Keys<'_> {
-        Keys {
-            name: "floor",
-            camera: Camera::Floor,
-            sensor: &camera.sensor,
-            model: camera.sensor_model(),
-            lens: &camera.lens,
-            height_px: camera.height_px,
-        }
-    }
-
-    fn forward(camera: &ForwardCamera) -> Keys<'_> {
-        Keys {
-            name: "forward",
-            camera: Camera::Forward,
-            sensor: &camera.sensor,
-            model: camera.sensor_model(),
-            lens: &camera.lens,
-            height_px: camera.height_px,
-        }
-    }
-
-    fn ceiling(camera: &CeilingCamera) -> Keys<'_> {
-        Keys {
-            name: "ceiling",
-            camera: Camera::Ceiling,
-            sensor: &camera.sensor,
-            model: camera.sensor_model(),
-            lens: &camera.lens,
-            height_px: camera.height_px,
-        }
-    }
 }

@@ -60,16 +60,11 @@ pub(super) struct Exposed {
 impl CameraSensor {
     /// The scene's camera of this name, under lamps that initially give `at_first_lux` at the floor; `None` if the robot has no such camera.
     pub(super) fn new(name: Camera, scene: &Scene, seed: u64, drawn: &Drawn, at_first_lux: f64) -> Option<Self> {
-        let camera = FittedCamera::new(name, scene, drawn, seed)?;
+        let (keys, camera) = (scene.robot.camera(name)?, FittedCamera::new(name, scene, drawn, seed)?);
         Some(CameraSensor {
-            timing: scene.robot.camera_timing(name)?,
+            timing: keys.timing(),
             auto_exposure: AutoExposure::new(&camera.sensor),
-            turning_exposure_s: scene
-                .robot
-                .forward_camera
-                .as_ref()
-                .filter(|_| name == Camera::Forward)
-                .and_then(|camera| camera.turning_exposure_s),
+            turning_exposure_s: keys.turning_exposure_s(),
             turns: false,
             lights: switches(scene, at_first_lux),
             clock: Repeated::new(

@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use rand::Rng;
 
 use crate::{
-    devices::camera::{DrawnCamera, DrawnFloorCamera, world_from_camera, world_from_floor_camera},
+    devices::camera::{DrawnCamera, world_from_camera},
     optics::{Exposure, Lens},
     render::{NoiseKey, Shows, View},
     scene::{Scene, SensorModel},
@@ -20,44 +20,22 @@ pub struct FittedCamera {
     pub name: Camera,
     /// Image sensor that turns light into grey levels.
     pub sensor: SensorModel,
-    mount: Mount,
+    mount: DrawnCamera,
     lens: Lens,
     noise_seed: u64,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Mount {
-    Floor(DrawnFloorCamera),
-    Other(DrawnCamera),
 }
 
 impl FittedCamera {
     /// The scene's camera of this name with mount and lens as drawn at random; `None` if the robot has no such camera.
     pub fn new(name: Camera, scene: &Scene, drawn: &Drawn, seed: u64) -> Option<FittedCamera> {
-        let robot = &scene.robot;
-        let (sensor, mount, lens) = match name {
-            Camera::Floor => {
-                let (camera, mount) = (robot.floor_camera.as_ref()?, drawn.devices.floor_camera?);
-                (camera.sensor_model(), Mount::Floor(mount), Lens::floor(camera, &mount))
-            }
-            Camera::Forward => {
-                let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.devices.forward_camera?);
-                (camera.sensor_model(), Mount::Other(mount), Lens::forward(camera, &mount))
-            }
-            Camera::Ceiling => {
-                let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.devices.ceiling_camera?);
-                (camera.sensor_model(), Mount::Other(mount), Lens::ceiling(camera, &mount))
-            }
-        };
+        let (camera, mount) = (scene.robot.camera(name)?, drawn.devices.camera(name)?);
+        let (sensor, lens) = (camera.sensor_model(), Lens::of(camera, &mount));
         Some(FittedCamera { name, sensor, mount, lens, noise_seed: noise_seed(seed, name) })
     }
 
     /// True pose of the camera in the world when the robot's true state is `truth`.
     pub fn world_from_camera(&self, truth: &Truth) -> Isometry3<f64> {
-        match &self.mount {
-            Mount::Floor(mount) => world_from_floor_camera(truth, mount),
-            Mount::Other(mount) => world_from_camera(truth, mount),
-        }
+        world_from_camera(truth, &self.mount)
     }
 
     /// Time from the start of the first row's exposure to the start of the last row's.

@@ -1,25 +1,209 @@
-//! Keys that cameras have in common: lens, calibration tolerances, and times of exposure and delivery.
+//! A camera of the robot: the keys that all cameras have. Floor, forward and ceiling camera are three presets of it, which differ in where they look,
+//! in how their view and their calibration are stated, and in the values of keys that a scene does not state.
 
 use localizer::reading::Camera;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{CeilingCamera, FloorCamera, ForwardCamera};
-use crate::scene::Robot;
+use crate::scene::{Robot, Sensor, SensorModel, SensorPreset};
 
-impl Robot {
-    /// The robot's cameras, in the order of [`Camera::ALL`].
-    pub fn cameras(&self) -> Vec<Camera> {
-        Camera::ALL.into_iter().filter(|camera| self.camera_timing(*camera).is_some()).collect()
+/// A camera as a scene states it, whichever of the presets it is.
+pub trait CameraKeys {
+    /// Name of the camera.
+    fn name(&self) -> Camera;
+
+    /// The values of the keys that all cameras have.
+    fn shared(&self) -> SharedKeys<'_>;
+
+    /// Attitude of the camera on the robot's body.
+    fn looks(&self) -> Looks;
+
+    /// Nominal focal lengths along u and v.
+    fn focal_px(&self) -> [f64; 2];
+
+    /// Nominal principal point, where the optical axis meets the image.
+    fn principal_point_px(&self) -> [f64; 2] {
+        self.shared().size_px.map(|size| (f64::from(size) - 1.0) / 2.0)
     }
 
-    /// Times at which one of the robot's cameras exposes, stamps and delivers images; `None` if the robot does not have this camera.
-    pub fn camera_timing(&self, camera: Camera) -> Option<CameraTiming> {
-        match camera {
-            Camera::Floor => self.floor_camera.as_ref().map(FloorCamera::timing),
-            Camera::Forward => self.forward_camera.as_ref().map(ForwardCamera::timing),
-            Camera::Ceiling => self.ceiling_camera.as_ref().map(CeilingCamera::timing),
+    /// Image sensor whose values apply where the scene states none.
+    fn sensor_preset(&self) -> SensorPreset;
+
+    /// Whether images darken away from their middle where the scene does not state it.
+    fn darkens_off_axis(&self) -> bool {
+        true
+    }
+
+    /// Band of wavelengths that the camera sees.
+    fn band(&self) -> Band {
+        Band::Visible
+    }
+
+    /// Radiant intensity of a ring of diodes around the lens, along the optical axis and at 850 nm; 0 for no ring.
+    fn ring_intensity_w_per_sr(&self) -> f64 {
+        0.0
+    }
+
+    /// Longest exposure of an image that is taken while the robot turns, if turns shorten exposures.
+    fn turning_exposure_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// Model of the camera's image sensor, with the values of its preset filled in.
+    fn sensor_model(&self) -> SensorModel {
+        self.shared().sensor.model(self.sensor_preset())
+    }
+
+    /// Times at which the camera exposes, stamps and delivers images.
+    fn timing(&self) -> CameraTiming {
+        let SharedKeys { size_px, period_s, latency_s, latency_tolerance_s, stamp_tolerance_s, lens, .. } =
+            self.shared();
+        let longest_s = self.sensor_model().longest_exposure_s + lens.row_time_s * f64::from(size_px[1] - 1);
+        CameraTiming { period_s, latency_s, latency_tolerance_s, stamp_tolerance_s, longest_s }
+    }
+}
+
+/// The values of the keys that all cameras have.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedKeys<'a> {
+    /// Width and height of the image.
+    pub size_px: [u32; 2],
+    /// Position of the optical centre in the robot frame: forward, left and up.
+    pub position_m: [f64; 3],
+    /// Time between two images.
+    pub period_s: f64,
+    /// Time from the middle of an exposure to the delivery of its image.
+    pub latency_s: f64,
+    /// Greatest difference of an image's actual latency from `latency_s`.
+    pub latency_tolerance_s: f64,
+    /// Greatest error of an image's stamp against the true middle of the exposure.
+    pub stamp_tolerance_s: f64,
+    /// Keys of the lens.
+    pub lens: &'a LensKeys,
+    /// Keys of the image sensor.
+    pub sensor: &'a Sensor,
+}
+
+/// Where a camera looks: its nominal attitude on the robot's body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Looks {
+    /// Straight down. The top of the image is towards the robot's front, the right side towards the robot's right.
+    Down,
+    /// Ahead over the robot's front, with the right side of the image towards the robot's right.
+    Ahead {
+        /// Direction of the optical axis, counter-clockwise from robot forward.
+        yaw_deg: f64,
+        /// Angle of the optical axis above the level, about the image's u axis.
+        tilt_up_deg: f64,
+    },
+    /// Up. The top of the image is towards the robot's back, the right side towards the robot's right.
+    Up {
+        /// Angle by which the optical axis leans forward from the body's vertical.
+        lean_forward_deg: f64,
+        /// Angle by which the optical axis leans to the left. Both leans are the components of a single rotation.
+        lean_left_deg: f64,
+    },
+}
+
+/// Defines the keys of a preset of the camera: the keys that all cameras have, with the preset's own position on the robot and its own period, then
+/// the keys and defaults that only this preset has.
+macro_rules! define_camera {
+    (
+        $(#[$doc:meta])+
+        $keys:ident at [$forward_m:literal, $left_m:literal, $height_m:literal] every $period_s:literal s
+        { $($(#[$own_doc:meta])+ $own:ident: $own_type:ty = $own_default:expr,)+ }
+    ) => {
+        $(#[$doc])+
+        #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct $keys {
+            /// Width of the camera's image.
+            #[schemars(range(min = 64, max = 4096))]
+            pub width_px: u32,
+            /// Height of the camera's image.
+            #[schemars(range(min = 64, max = 4096))]
+            pub height_px: u32,
+            /// Distance of the camera's optical centre forward of the wheel axle, in the robot frame.
+            #[schemars(range(min = -2.0, max = 2.0))]
+            pub forward_m: f64,
+            /// Distance of the camera's optical centre to the left of the robot's middle, in the robot frame.
+            #[schemars(range(min = -2.0, max = 2.0))]
+            pub left_m: f64,
+            /// Height of the camera's optical centre above the floor.
+            #[schemars(range(min = 0.02, max = 5.0))]
+            pub height_m: f64,
+            $($(#[$own_doc])+ pub $own: $own_type,)+
+            /// Time between two images.
+            #[schemars(range(min = 0.01, max = 100.0))]
+            pub period_s: f64,
+            /// Time from the middle of an exposure to the delivery of its image.
+            #[schemars(range(min = 0.0, max = 1.0))]
+            pub latency_s: f64,
+            /// Greatest difference of an image's actual latency from `latency_s`, drawn at random for each image.
+            #[schemars(range(min = 0.0, max = 1.0))]
+            pub latency_tolerance_s: f64,
+            /// Greatest error of an image's stamp against the true middle of the exposure, drawn at random for each image.
+            #[schemars(range(min = 0.0, max = 0.1))]
+            pub stamp_tolerance_s: f64,
+            /// Distortion, vignetting and defocus of the lens, and the time in which the rows of the sensor are read out.
+            pub lens: LensKeys,
+            /// Image sensor of the camera, which turns light into grey levels.
+            pub sensor: Sensor,
+        }
+
+        impl Default for $keys {
+            fn default() -> Self {
+                $keys {
+                    width_px: 640,
+                    height_px: 480,
+                    forward_m: $forward_m,
+                    left_m: $left_m,
+                    height_m: $height_m,
+                    $($own: $own_default,)+
+                    period_s: $period_s,
+                    latency_s: 0.03,
+                    latency_tolerance_s: 0.002,
+                    stamp_tolerance_s: 0.0001,
+                    lens: LensKeys::default(),
+                    sensor: Sensor::default(),
+                }
+            }
+        }
+
+        impl $keys {
+            fn shared_keys(&self) -> SharedKeys<'_> {
+                SharedKeys {
+                    size_px: [self.width_px, self.height_px],
+                    position_m: [self.forward_m, self.left_m, self.height_m],
+                    period_s: self.period_s,
+                    latency_s: self.latency_s,
+                    latency_tolerance_s: self.latency_tolerance_s,
+                    stamp_tolerance_s: self.stamp_tolerance_s,
+                    lens: &self.lens,
+                    sensor: &self.sensor,
+                }
+            }
+        }
+    };
+}
+pub(super) use define_camera;
+
+impl Robot {
+    /// Names of the robot's cameras, in the order of [`Camera::ALL`].
+    pub fn cameras(&self) -> Vec<Camera> {
+        Camera::ALL.into_iter().filter(|name| self.camera(*name).is_some()).collect()
+    }
+
+    /// The robot's camera of this name; `None` if the robot does not have it.
+    pub fn camera(&self, name: Camera) -> Option<&dyn CameraKeys> {
+        fn keys(camera: &Option<impl CameraKeys>) -> Option<&dyn CameraKeys> {
+            camera.as_ref().map(|camera| camera as &dyn CameraKeys)
+        }
+        match name {
+            Camera::Floor => keys(&self.floor_camera),
+            Camera::Forward => keys(&self.forward_camera),
+            Camera::Ceiling => keys(&self.ceiling_camera),
         }
     }
 }

@@ -5,7 +5,7 @@ use toml::{Table, Value};
 
 use crate::{
     campaign::falsify::dice::{Dice, Draws, rounded},
-    scene::{Bounds, Flow, Gyro, Robot, RobotPreset},
+    scene::{Bounds, CameraKeys, Flow, Gyro, Robot, RobotPreset},
 };
 use localizer::reading::Camera;
 
@@ -132,7 +132,7 @@ fn settle_images(robot: &mut Table, draws: &Draws) {
     }
     let Some(meant) = meaning::<Robot>(robot) else { return };
     for (name, camera, _) in CAMERAS {
-        if let Some(timing) = meant.camera_timing(camera)
+        if let Some(timing) = meant.camera(camera).map(CameraKeys::timing)
             && timing.longest_s > timing.period_s
             && let Some(Value::Table(camera)) = robot.get_mut(name)
         {
