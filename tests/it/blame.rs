@@ -563,7 +563,9 @@ fn what_is_moved_back_lies_at_its_bound_and_nothing_else_moves() {
     assert!((dot(&placed) - dot(&record.drawn)).abs() < 1e-12);
     assert_eq!(placed.place.markers[1], record.drawn.place.markers[1]);
     let (tiles, room) = (scene.floor.tiles.as_ref().unwrap(), &scene.room);
-    let bend_m = |drawn: &Drawn| drawn.place.tiles.as_ref().unwrap().errors_near(tiles, room, [1.65, 1.05], 0.3).bend_m;
+    let floor_m = [[0.0; 2], [room.width_m, room.depth_m]];
+    let bend_m =
+        |drawn: &Drawn| drawn.place.tiles.as_ref().unwrap().errors_near(tiles, floor_m, [1.65, 1.05], 0.3).bend_m;
     // The misplaced tile is off by 8 mm, plus the errors drawn for its corners, which are within 1 mm.
     assert!((bend_m(&placed) - 0.008).abs() <= 0.0011, "{}", bend_m(&placed));
     assert!((0.0005..=0.001).contains(&bend_m(&clipped("floor_tiles.straightness"))));

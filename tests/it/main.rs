@@ -137,6 +137,8 @@ mod render_room;
 mod render_puddles;
 /// Tests of the glints of long lamps on the floor, against the lamps' mirror images below the floor.
 mod render_glints;
+/// Tests that further rooms and open doors are there for the robot's body, beams, landmarks and paths, not only for cameras.
+mod rooms_felt;
 /// Tests of walking people in images, row by row of a rolling shutter and at the image's border.
 mod render_walkers;
 /// Tests of cracks between rendered faces, and of light that defocus brings in from beyond the image's border.

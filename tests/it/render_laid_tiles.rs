@@ -2,13 +2,14 @@
 
 use sim::{
     place::drawn::LaidTiles,
-    scene::{Distribution, Misplaced, Room, Tiles},
+    scene::{Distribution, Misplaced, Tiles},
 };
 
-const ROOM: Room = Room { width_m: 3.6, depth_m: 2.4 };
+/// Least and greatest coordinates of the floor.
+const FLOOR_M: [[f64; 2]; 2] = [[0.0, 0.0], [3.6, 2.4]];
 
 fn inside(place: [f64; 2]) -> bool {
-    (0.0..=ROOM.width_m).contains(&place[0]) && (0.0..=ROOM.depth_m).contains(&place[1])
+    (0.0..=FLOOR_M[1][0]).contains(&place[0]) && (0.0..=FLOOR_M[1][1]).contains(&place[1])
 }
 
 fn to_world(tiles: &Tiles, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -60,7 +61,7 @@ fn every_joint_keeps_the_declared_laying_bound() {
             [(0, 0.0, 0.0), (1, 17.0, 0.0), (2, 45.0, 0.0), (3, -60.0, 0.001), (4, 5.0, 0.002)]
         {
             let tiles = Tiles { rotation_deg, corner_tolerance_m, phase_x_m: 0.07, edge_y_m: 0.45, ..Tiles::default() };
-            let laid = LaidTiles::draw(&tiles, &ROOM, distribution, seed);
+            let laid = LaidTiles::draw(&tiles, FLOOR_M, distribution, seed);
             let (offset_m, angle_rad) = departures(&tiles, &laid);
             let bound_m = tiles.laying_tolerance_m + corner_tolerance_m;
             assert!(offset_m <= bound_m + 1e-12, "{distribution:?}, seed {seed}: {offset_m} beyond {bound_m}");
@@ -77,7 +78,7 @@ fn every_joint_keeps_the_declared_laying_bound() {
 #[test]
 fn a_joint_laid_straight_does_not_bend_at_its_corners() {
     let tiles = Tiles { rotation_deg: 17.0, laying_tolerance_m: 0.005, ..Tiles::default() };
-    let laid = LaidTiles::draw(&tiles, &ROOM, Distribution::Uniform, 3);
+    let laid = LaidTiles::draw(&tiles, FLOOR_M, Distribution::Uniform, 3);
     for i in 0..laid.count[0] {
         let places: Vec<_> = (0..laid.count[1]).map(|j| corner(&tiles, &laid, i, j).1).collect();
         let [first, last] = [places[0], places[places.len() - 1]];
@@ -92,10 +93,10 @@ fn a_joint_laid_straight_does_not_bend_at_its_corners() {
 fn a_misplaced_tile_shows_near_itself_and_nowhere_else() {
     let misplaced = Misplaced { tile: [5, 3], offset_m: [0.008, 0.0] };
     let tiles = Tiles { misplaced: vec![misplaced], laying_tolerance_m: 0.0, ..Tiles::default() };
-    let laid = LaidTiles::draw(&tiles, &ROOM, Distribution::Uniform, 0);
+    let laid = LaidTiles::draw(&tiles, FLOOR_M, Distribution::Uniform, 0);
     // The floor tile that the scene misplaces covers x from 1.5 to 1.8 and y from 0.9 to 1.2.
-    assert!((laid.errors_near(&tiles, &ROOM, [1.65, 1.05], 0.3).offset_m - 0.008).abs() < 1e-12);
-    assert!(laid.errors_near(&tiles, &ROOM, [0.6, 0.6], 0.3).offset_m < 1e-12);
+    assert!((laid.errors_near(&tiles, FLOOR_M, [1.65, 1.05], 0.3).offset_m - 0.008).abs() < 1e-12);
+    assert!(laid.errors_near(&tiles, FLOOR_M, [0.6, 0.6], 0.3).offset_m < 1e-12);
     // The left joint of the misplaced tile is 8 mm further to the right along its whole edge.
     let at_edge = laid.joint_distance(&tiles, [1.508, 1.05]).unwrap();
     assert!(at_edge.distance_m < 1e-12 && at_edge.axis == 0 && at_edge.visible);
@@ -105,9 +106,9 @@ fn a_misplaced_tile_shows_near_itself_and_nowhere_else() {
 
 #[test]
 fn wear_does_not_move_a_joint() {
-    let new = LaidTiles::draw(&Tiles::default(), &ROOM, Distribution::Uniform, 9);
+    let new = LaidTiles::draw(&Tiles::default(), FLOOR_M, Distribution::Uniform, 9);
     let worn_tiles = Tiles { worn_share: 0.4, missing_share: 0.2, ..Tiles::default() };
-    let worn = LaidTiles::draw(&worn_tiles, &ROOM, Distribution::Uniform, 9);
+    let worn = LaidTiles::draw(&worn_tiles, FLOOR_M, Distribution::Uniform, 9);
     assert_eq!(new.corner_offset_m, worn.corner_offset_m);
     assert_eq!(new.tile_albedo, worn.tile_albedo);
     let n_missing = worn.contrast.iter().flatten().filter(|&&contrast| contrast == 0.0).count();

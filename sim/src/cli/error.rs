@@ -54,6 +54,8 @@ pub(super) enum CommandError {
     NoCamera { scene: PathBuf, wanted: Option<&'static str> },
     #[error("render {} --at {},{}: outside the room, expected x from {} to {} and y from {} to {}, as the robot's body reaches {reach_m} m about its origin", scene.display(), at_m[0], at_m[1], reach_m, room_m[0] - reach_m, reach_m, room_m[1] - reach_m)]
     OutsideRoom { scene: PathBuf, at_m: [f64; 2], room_m: [f64; 2], reach_m: f64 },
+    #[error("render {} --at {},{}: in no room or by a wall, expected {reach_m} m of distance from walls, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
+    ByWall { scene: PathBuf, at_m: [f64; 2], reach_m: f64 },
     #[error("render {} --at {},{}: in or by `furniture[{index}]`, expected {reach_m} m of distance, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
     InFurniture { scene: PathBuf, at_m: [f64; 2], index: usize, reach_m: f64 },
     #[error("read {}: {}", .0.display(), .1)]

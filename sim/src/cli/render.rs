@@ -14,7 +14,7 @@ use super::{CommandError, print};
 use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     loading::SceneFile,
-    place::building::UprightBody,
+    place::building::{GroundPlan, UprightBody},
     render::{RenderedWorld, Renderer},
     run::sensors::still::{Still, take},
     scene::{BitDepth, Scene},
@@ -176,7 +176,12 @@ fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
     // The limits of the room allow this much more, as floating-point differences such as room width minus robot radius are not always exact.
     const ROUNDING_M: f64 = 1e-9;
     let least_m = reach_m - ROUNDING_M;
-    if (0..2).any(|axis| !(least_m..=room_m[axis] - least_m).contains(&at_m[axis])) {
+    let ground_plan = GroundPlan::of(scene);
+    if ground_plan.has_further_rooms() {
+        if ground_plan.wall_distance_m(at_m) < least_m {
+            return Err(CommandError::ByWall { scene: file.path.clone(), at_m, reach_m });
+        }
+    } else if (0..2).any(|axis| !(least_m..=room_m[axis] - least_m).contains(&at_m[axis])) {
         return Err(CommandError::OutsideRoom { scene: file.path.clone(), at_m, room_m, reach_m });
     }
     if let Some(index) = scene.furniture.iter().position(|furniture| furniture.distance_m(at_m) < least_m) {

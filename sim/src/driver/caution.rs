@@ -2,7 +2,7 @@
 
 use localizer::PoseBox;
 
-use crate::scene::Scene;
+use crate::{place::building::GroundPlan, scene::Scene};
 
 /// Width of the estimate's hull (the smallest box around all boxes of the estimate) up to which the robot drives at full speed. With a wider hull
 /// a waypoint 0.3 m from a wall is a risk.
@@ -23,7 +23,7 @@ const LOOK_AROUND_SHARE: f64 = 0.3;
 /// Decides from the estimate how freely the robot may drive.
 #[derive(Clone, Debug)]
 pub(super) struct Caution {
-    room_m: [f64; 2],
+    ground_plan: GroundPlan,
     clearance_m: f64,
     look_around_rad_per_s: f64,
     waiting_since_s: Option<f64>,
@@ -44,7 +44,7 @@ impl Caution {
     /// The rules by which a robot in the scene's room limits its driving while its pose is uncertain.
     pub(super) fn new(scene: &Scene) -> Self {
         Caution {
-            room_m: [scene.room.width_m, scene.room.depth_m],
+            ground_plan: GroundPlan::of(scene),
             clearance_m: scene.robot.body_radius_m + WALL_MARGIN_M,
             look_around_rad_per_s: LOOK_AROUND_SHARE * scene.robot.max_turn_rate_rad_per_s,
             waiting_since_s: None,
@@ -57,9 +57,7 @@ impl Caution {
         if hull.is_empty() {
             return Freedom::Halt;
         }
-        let by_a_wall = (0..2)
-            .any(|axis| hull[axis].lo() < self.clearance_m || hull[axis].hi() > self.room_m[axis] - self.clearance_m);
-        if !(recovering && by_a_wall) {
+        if !(recovering && self.may_be_by_a_wall(hull)) {
             self.waiting_since_s = None;
             return Freedom::Drive { speed_share: share(hull) };
         }
@@ -69,6 +67,19 @@ impl Caution {
         } else {
             Freedom::Drive { speed_share: LEAST_SHARE }
         }
+    }
+}
+
+impl Caution {
+    /// Whether a wall may be within the robot's clearance at some pose of the hull.
+    fn may_be_by_a_wall(&self, hull: &PoseBox) -> bool {
+        if self.ground_plan.has_further_rooms() {
+            let middle_m = [hull[0].mid(), hull[1].mid()];
+            let reach_m = hull[0].radius().hypot(hull[1].radius());
+            return self.ground_plan.wall_distance_m(middle_m) < self.clearance_m + reach_m;
+        }
+        let [_, room_m] = self.ground_plan.extents_m();
+        (0..2).any(|axis| hull[axis].lo() < self.clearance_m || hull[axis].hi() > room_m[axis] - self.clearance_m)
     }
 }
 

@@ -8,7 +8,10 @@ mod sensors;
 mod things;
 
 use super::parse::Contradiction;
-use crate::scene::{Event, MethodName, Scene, conform::nearest};
+use crate::{
+    place::building::GroundPlan,
+    scene::{Event, MethodName, Scene, conform::nearest},
+};
 
 /// Steepest ramp at the edge of a carpet. Rubber of friction 0.8 holds on this slope, and wheels keep their load.
 const GREATEST_SLOPE: f64 = 0.5;
@@ -61,14 +64,22 @@ fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
 
 /// Checks that the robot's origin keeps its body's radius from every wall and every piece of furniture, wherever the scene puts the robot.
 fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
-    let radius_m = scene.robot.body_radius_m;
+    // Tolerance for rounding when positions are compared: sums like 0.25 + 0.01 are not exact, and nobody places a wall that finely.
+    const ROUNDING_M: f64 = 1e-9;
+    let (radius_m, ground_plan) = (scene.robot.body_radius_m, GroundPlan::of(scene));
     let mut place = |key: String, at_m: [f64; 2], tolerance_m: f64, why: &str| {
         let (margin_m, keep_m) = (radius_m + tolerance_m, scene.furniture_distance_m(tolerance_m));
-        for (axis, extent_m) in [("x_m", scene.room.width_m), ("y_m", scene.room.depth_m)] {
+        if ground_plan.has_further_rooms()
+            && ground_plan.wall_distance_from_square_m(at_m, tolerance_m) < radius_m - ROUNDING_M
+        {
+            let expected =
+                format!("in no room or by a wall, expected {} m of distance from walls, {why}", short(margin_m));
+            found.push(Contradiction { key: format!("{key}.x_m"), expected });
+        }
+        let axes = [("x_m", scene.room.width_m), ("y_m", scene.room.depth_m)];
+        for (axis, extent_m) in axes.into_iter().filter(|_| !ground_plan.has_further_rooms()) {
             let value_m = at_m[usize::from(axis == "y_m")];
             let (least_m, most_m) = (margin_m, extent_m - margin_m);
-            // Tolerance for rounding when positions are compared: sums like 0.25 + 0.01 are not exact, and nobody places a wall that finely.
-            const ROUNDING_M: f64 = 1e-9;
             if value_m < least_m - ROUNDING_M || value_m > most_m + ROUNDING_M {
                 let expected = if least_m <= most_m {
                     format!("outside the room, expected a number from {} to {}, {why}", short(least_m), short(most_m))

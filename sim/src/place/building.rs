@@ -2,6 +2,7 @@
 
 mod body;
 mod coverings;
+mod ground_plan;
 mod openings;
 mod panel;
 mod upright_box;
@@ -10,6 +11,7 @@ mod walls;
 
 pub use body::{BodyMesh, BodyVertex, STRIDE_M, UprightBody, body_mesh};
 pub(crate) use coverings::covering_albedo;
+pub(crate) use ground_plan::GroundPlan;
 pub use openings::Opening;
 pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};

@@ -17,6 +17,7 @@ pub use markers::{DrawnDot, DrawnMarker};
 pub use tiles::LaidTiles;
 pub(crate) use walls::turn_from_nearest_deg;
 
+use super::building::GroundPlan;
 use walls::draw_walls;
 
 /// Declared bounds on floor, markers, furniture and walls that the true values may exceed, because they may be drawn or placed outside. A run can
@@ -51,7 +52,11 @@ impl DrawnPlace {
     pub fn draw(scene: &Scene, seed: u64) -> DrawnPlace {
         let errors = scene.robot.errors;
         DrawnPlace {
-            tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+            tiles: scene
+                .floor
+                .tiles
+                .as_ref()
+                .map(|tiles| LaidTiles::draw(tiles, GroundPlan::of(scene).extents_m(), errors, seed)),
             furniture_turn_deg: draw_furniture(scene, seed),
             walls_turn_deg: draw_walls(scene, seed),
             markers: DrawnMarker::draw_all(scene, seed),

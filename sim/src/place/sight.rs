@@ -9,16 +9,16 @@ use rapier3d_f64::{
     prelude::{Pose, Vector},
 };
 
-use crate::scene::{Plan, Scene};
+use crate::scene::Scene;
 
-use super::Bystander;
+use super::{Bystander, building::GroundPlan};
 
 /// Distance from a landmark within which nothing hides it, because a landmark is fixed to a surface.
 const ON_SURFACE_M: f64 = 0.005;
 
 /// Everything in a scene that does not move and hides what is behind it.
 pub(crate) struct Obstacles {
-    plan: Plan,
+    ground_plan: GroundPlan,
     boxes: Vec<(Pose, SharedShape)>,
 }
 
@@ -35,18 +35,12 @@ impl Obstacles {
                 (pose, SharedShape::new(Cuboid::new(half)))
             })
             .collect();
-        Obstacles { plan: scene.plan(), boxes }
+        Obstacles { ground_plan: GroundPlan::of(scene), boxes }
     }
 
     /// Whether nothing stands on the line from a sensor to a landmark.
     pub(crate) fn leave_free(&self, eye: Point3<f64>, landmark: Point3<f64>, people: &[Bystander]) -> bool {
-        // A landmark that is stated on a wall counts as inside the room, even if the wall is turned away from where it is stated.
-        let stated = Plan { turn_rad: 0.0, ..self.plan };
-        let inside = |point: &Point3<f64>| {
-            [self.plan, stated].iter().any(|plan| plan.wall_distance_m([point.x, point.y]) >= -ON_SURFACE_M)
-        };
-        // A room is convex, so that no wall stands between two points inside it.
-        if !inside(&eye) || !inside(&landmark) {
+        if self.ground_plan.separates(eye, landmark, ON_SURFACE_M) {
             return false;
         }
         let way = landmark - eye;
@@ -67,16 +61,10 @@ impl Obstacles {
     ) -> Option<f64> {
         let (sin, cos) = direction_rad.sin_cos();
         let ray = Ray::new(vector(eye), Vector::new(cos, sin, 0.0));
-        // The ray is intersected with the walls in the frame in which they stand along the axes.
-        let stated_m = self.plan.stated([eye.x, eye.y]);
-        let wall_m = |axis: usize, along: f64| {
-            let face_m = if along > 0.0 { self.plan.size_m[axis] } else { 0.0 };
-            if along == 0.0 { f64::INFINITY } else { ((face_m - stated_m[axis]) / along).max(0.0) }
-        };
-        let (sin, cos) = (direction_rad - self.plan.turn_rad).sin_cos();
+        let wall_m = self.ground_plan.wall_ahead_m(eye, direction_rad);
         let boxes = self.boxes.iter().filter_map(|(pose, shape)| shape.cast_ray(pose, &ray, range_m, true));
         let people = people.iter().filter_map(|person| person_at(person, &ray, range_m));
-        let nearest_m = boxes.chain(people).fold(wall_m(0, cos).min(wall_m(1, sin)), f64::min);
+        let nearest_m = boxes.chain(people).fold(wall_m, f64::min);
         (nearest_m <= range_m).then_some(nearest_m)
     }
 }

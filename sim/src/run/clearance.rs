@@ -1,12 +1,16 @@
 //! Distances from the true robot to the things that it may run into.
 
-use crate::{place::Bystander, scene::Scene, truth::Truth};
+use crate::{
+    place::{Bystander, building::GroundPlan},
+    scene::Scene,
+    truth::Truth,
+};
 
 /// Distances of the robot's round body from the walls, the furniture and the people that it may run into. A distance is infinite where
 /// there is nothing of the kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// Distance from the room's walls.
+    /// Distance from the nearest wall.
     pub walls_m: f64,
     /// Distance from the nearest furniture.
     pub furniture_m: f64,
@@ -23,7 +27,7 @@ impl Clearance {
             .iter()
             .map(|person| (person.place_m[0] - place_m[0]).hypot(person.place_m[1] - place_m[1]) - person.radius_m);
         Clearance {
-            walls_m: scene.plan().wall_distance_m(place_m) - radius_m,
+            walls_m: GroundPlan::of(scene).wall_distance_m(place_m) - radius_m,
             furniture_m: furniture.fold(f64::INFINITY, f64::min) - radius_m,
             people_m: people.fold(f64::INFINITY, f64::min) - radius_m,
         }

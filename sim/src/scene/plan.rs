@@ -77,19 +77,15 @@ impl Scene {
         }
     }
 
-    /// Whether walls turned by `turn_rad` leave enough room for the robot's body at every position at which the scene puts the robot.
-    pub(crate) fn leaves_places(&self, turn_rad: f64) -> bool {
-        let plan = Plan { turn_rad, ..self.plan() };
+    /// Every position at which the scene puts the robot: start, waypoints, goals of errands and stations, each with the tolerance within which the true
+    /// position is drawn at random along x and along y.
+    pub(crate) fn places(&self) -> Vec<([f64; 2], f64)> {
         let ways = self.route.iter().flat_map(|route| &route.waypoints).map(|at| ([at.x_m, at.y_m], 0.0));
         let goals = self.errands.iter().map(|errand| ([errand.x_m, errand.y_m], 0.0));
         let drawn_m = self.start.tolerance_m;
         let stations =
             self.stations.iter().map(|station| ([station.x_m, station.y_m], station.tolerance_m.unwrap_or(drawn_m)));
         let start = std::iter::once(([self.start.x_m, self.start.y_m], drawn_m));
-        let (sin, cos) = turn_rad.sin_cos();
-        start.chain(ways).chain(goals).chain(stations).all(|(at_m, tolerance_m)| {
-            // A true position is drawn at random within a square around the stated one, which reaches this far towards a turned wall.
-            plan.wall_distance_m(at_m) >= self.robot.body_radius_m + tolerance_m * (cos + sin.abs())
-        })
+        start.chain(ways).chain(goals).chain(stations).collect()
     }
 }

@@ -4,7 +4,7 @@
 
 use rapier3d_f64::prelude::*;
 
-use crate::{base::balance_m, scene::Scene, truth::STEP_S, world::Drawn};
+use crate::{base::balance_m, place::building::GroundPlan, scene::Scene, truth::STEP_S, world::Drawn};
 
 use super::GRAVITY_M_PER_S2;
 
@@ -14,9 +14,6 @@ const CENTRE_OF_MASS_OVER_RADIUS: f64 = 0.5;
 /// Width by which the collider (the shape with which rapier finds contacts) exceeds the robot's body. rapier's contacts are soft, so that the
 /// collider sinks into a wall, at 0.5 m/s and with both motors pushing by less than a fifth of this width; the body itself never does.
 const SKIN_M: f64 = 0.001;
-
-/// Thickness of the walls; a body that was driven deeper than half of it would come out behind.
-const WALL_THICKNESS_M: f64 = 1.0;
 
 /// Distance between the robot and a surface at which rapier prepares contacts. With its default of 20 mm every step along a wall would cost the
 /// time of a contact.
@@ -240,19 +237,12 @@ fn build_people(physics: &mut PhysicsWorld, scene: &Scene) -> Vec<RigidBodyHandl
 }
 
 fn build_walls(physics: &mut PhysicsWorld, scene: &Scene) {
-    let plan = scene.plan();
-    let [half_x_m, half_y_m] = plan.size_m.map(|extent_m| 0.5 * extent_m);
-    let half_thick_m = 0.5 * WALL_THICKNESS_M;
-    let height_m = 2.0;
-    // Centre, as the plan states it, and half extents of each wall of the room; the walls along x cover the corners.
-    let along_x = [-half_thick_m, 2.0 * half_y_m + half_thick_m]
-        .map(|y_m| ([half_x_m, y_m], [half_x_m + WALL_THICKNESS_M, half_thick_m]));
-    let along_y = [-half_thick_m, 2.0 * half_x_m + half_thick_m].map(|x_m| ([x_m, half_y_m], [half_thick_m, half_y_m]));
-    for (stated_m, [extent_x_m, extent_y_m]) in along_x.into_iter().chain(along_y) {
-        let [x_m, y_m] = plan.stands(stated_m);
-        let wall = ColliderBuilder::cuboid(extent_x_m, extent_y_m, 0.5 * height_m)
-            .translation(Vector::new(x_m, y_m, 0.5 * height_m))
-            .rotation(Vector::new(0.0, 0.0, plan.turn_rad))
+    let half_height_m = 1.0;
+    for block in GroundPlan::of(scene).blocks() {
+        let ([x_m, y_m], [half_x_m, half_y_m]) = (block.middle_m, block.half_m);
+        let wall = ColliderBuilder::cuboid(half_x_m, half_y_m, half_height_m)
+            .translation(Vector::new(x_m, y_m, half_height_m))
+            .rotation(Vector::new(0.0, 0.0, block.heading_rad))
             .friction(WALL_FRICTION)
             .build();
         physics.colliders.insert(wall);

@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use crate::{loading::SceneFile, run::RunRecord};
+use crate::{loading::SceneFile, place::building::GroundPlan, run::RunRecord};
 
 use super::{
     canvas::{Canvas, Panel},
@@ -15,11 +15,11 @@ const HEADER_PX: f64 = 44.0;
 
 /// Draws the map of a run's errands.
 pub(super) fn draw(file: &SceneFile, record: &RunRecord) -> RgbImage {
-    let room = &file.scene.room;
-    let height_px = (WIDTH_PX * (room.depth_m / room.width_m).min(1.5)).round() + 40.0;
+    let [[x0_m, y0_m], [x1_m, y1_m]] = GroundPlan::of(&file.scene).extents_m();
+    let height_px = (WIDTH_PX * ((y1_m - y0_m) / (x1_m - x0_m)).min(1.5)).round() + 40.0;
     let mut canvas = Canvas::new(WIDTH_PX as u32, (HEADER_PX + height_px) as u32, palette::PAPER);
     let panel = Panel { left_px: 0.0, top_px: HEADER_PX, width_px: WIDTH_PX, height_px };
-    let view = MapView::room(panel, &file.scene);
+    let view = MapView::rooms(panel, &file.scene);
     view.draw_floor(&mut canvas, &file.scene, None);
     view.draw_things(&mut canvas, &file.scene);
     view.draw_errands(&mut canvas, &file.scene, record, f64::INFINITY);

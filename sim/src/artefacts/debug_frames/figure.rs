@@ -50,7 +50,7 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, se
         Seen::Image { pixels, .. } => camera_view::draw(&mut canvas, view, &file.scene, record, image, pixels),
         Seen::Codes { camera } => range_view::draw(&mut canvas, view, &file.scene, camera, record, image),
     }
-    maps(&mut canvas, &MapView::room(room, &file.scene), &MapView::close_up(near, image), &file.scene, record, image);
+    maps(&mut canvas, &MapView::rooms(room, &file.scene), &MapView::close_up(near, image), &file.scene, record, image);
     for panel in [view, room, near] {
         frame(&mut canvas, panel);
     }

@@ -5,6 +5,7 @@ use localizer::{Pose, PoseBox};
 use crate::{
     driver::Outcome,
     place::{
+        building::GroundPlan,
         drawn::LaidTiles,
         navigation::{Cell, OccupancyGrid},
     },
@@ -25,14 +26,16 @@ pub(super) struct MapView {
 }
 
 impl MapView {
-    /// A map view of the whole room, with a margin and with space for the scale bar below the room.
-    pub(super) fn room(panel: Panel, scene: &Scene) -> MapView {
+    /// A map view of all rooms, with a margin and with space for the scale bar below them.
+    pub(super) fn rooms(panel: Panel, scene: &Scene) -> MapView {
         const MARGIN_PX: f64 = 14.0;
         const SCALE_PX: f64 = 34.0;
-        let [width_m, depth_m] = [scene.room.width_m, scene.room.depth_m];
+        let [low_m, high_m] = GroundPlan::of(scene).extents_m();
+        let [width_m, depth_m] = [0, 1].map(|axis| high_m[axis] - low_m[axis]);
         let fit = |extent_px: f64, extent_m: f64| (extent_px - 2.0 * MARGIN_PX) / extent_m;
         let pixels_per_m = fit(panel.width_px, width_m).min(fit(panel.height_px - SCALE_PX, depth_m));
-        MapView { panel, centre_m: [width_m / 2.0, depth_m / 2.0 - SCALE_PX / 2.0 / pixels_per_m], pixels_per_m }
+        let [middle_x_m, middle_y_m] = [0, 1].map(|axis| (low_m[axis] + high_m[axis]) / 2.0);
+        MapView { panel, centre_m: [middle_x_m, middle_y_m - SCALE_PX / 2.0 / pixels_per_m], pixels_per_m }
     }
 
     /// A close map view around the robot's true position, scaled to the nearest box of the estimate's union of boxes.
@@ -54,14 +57,18 @@ impl MapView {
     /// Draws the room, the joints between floor tiles, the floor's regions, wires and tapes that lie on the floor, and the route.
     pub(super) fn draw_floor(&self, canvas: &mut Canvas, scene: &Scene, laid: Option<&LaidTiles>) {
         canvas.clipped(self.panel, |canvas| {
-            let room = self.rectangle([0.0, scene.room.width_m], [0.0, scene.room.depth_m]);
-            canvas.fill(&room, palette::ROOM, 1.0);
+            let ground_plan = GroundPlan::of(scene);
+            let floors: Vec<[[f64; 2]; 4]> =
+                ground_plan.floors_m().iter().map(|corners| corners.map(|at_m| self.place(at_m))).collect();
+            floors.iter().for_each(|floor| canvas.fill(floor, palette::ROOM, 1.0));
             for region in &scene.floor.regions {
                 canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
             }
             if let (Some(tiles), Some(laid)) = (&scene.floor.tiles, laid) {
-                // Joints between tiles are also laid beyond the walls, so the drawing of them is clipped to the room.
-                canvas.clipped(self.visible(&room), |canvas| self.draw_joints(canvas, tiles, laid));
+                // Joints between tiles are also laid beyond the walls, so the drawing of them is clipped to the floors.
+                for floor in &floors {
+                    canvas.clipped(self.visible(floor), |canvas| self.draw_joints(canvas, tiles, laid));
+                }
             }
             // A floor covering hides the joints below it.
             for region in scene.floor.regions.iter().filter(|region| region.covering.is_some()) {
@@ -75,7 +82,14 @@ impl MapView {
                 scene.route.iter().flat_map(|route| &route.waypoints).map(|at| self.place([at.x_m, at.y_m])).collect();
             waypoints.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.0, palette::ROUTE));
             waypoints.iter().for_each(|at| canvas.ring(*at, 4.0, 1.5, palette::ROUTE));
-            canvas.outline(&room, 2.5, palette::WALL);
+            if ground_plan.has_further_rooms() {
+                let walls_m = ground_plan.walls_m();
+                walls_m
+                    .iter()
+                    .for_each(|[from, to]| canvas.line(self.place(*from), self.place(*to), 2.5, palette::WALL));
+            } else {
+                canvas.outline(&floors[0], 2.5, palette::WALL);
+            }
         });
     }
 
@@ -259,11 +273,13 @@ impl MapView {
     }
 
     /// The part of the panel inside a rectangle whose corners run counterclockwise from the lower-left one.
-    fn visible(&self, [lower_left, _, upper_right, _]: &[[f64; 2]; 4]) -> Panel {
+    fn visible(&self, corners: &[[f64; 2]; 4]) -> Panel {
         let panel = self.panel;
-        let (left_px, top_px) = (panel.left_px.max(lower_left[0]), panel.top_px.max(upper_right[1]));
-        let right_px = (panel.left_px + panel.width_px).min(upper_right[0]);
-        let bottom_px = (panel.top_px + panel.height_px).min(lower_left[1]);
+        let least = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
+        let most = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let (left_px, top_px) = (panel.left_px.max(least(0)), panel.top_px.max(least(1)));
+        let right_px = (panel.left_px + panel.width_px).min(most(0));
+        let bottom_px = (panel.top_px + panel.height_px).min(most(1));
         Panel { left_px, top_px, width_px: right_px - left_px, height_px: bottom_px - top_px }
     }
 

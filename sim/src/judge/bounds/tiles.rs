@@ -4,6 +4,7 @@ use localizer::{bounds, reading::Camera};
 
 use crate::{
     devices::{Device, camera::world_from_camera},
+    place::building::GroundPlan,
     run::{ImageRecord, RunRecord},
     scene::{FloorCamera, Scene},
 };
@@ -19,6 +20,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let names = [bounds::FLOOR_TILES_LAYING, bounds::FLOOR_TILES_LAYING_ANGLE, bounds::FLOOR_TILES_STRAIGHTNESS];
     let mut monitors = names.map(Monitor::new);
     let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+    let floor_m = GroundPlan::of(scene).extents_m();
     let declared = [
         tiles.laying_tolerance_m + tiles.corner_tolerance_m,
         2.0 * tiles.laying_tolerance_m / shortest_m,
@@ -26,7 +28,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     ];
     for image in record.images.iter().filter(|image| image.camera == Some(Camera::Floor)) {
         let Some(centre_m) = view_centre(image, record) else { continue };
-        let errors = laid.errors_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
+        let errors = laid.errors_near(tiles, floor_m, centre_m, half_diagonal_m(camera));
         let span_s = [image.truth.time_s, image.arrived_s];
         let off = [errors.offset_m, errors.angle_rad, errors.bend_m];
         for ((monitor, declared), off) in monitors.iter_mut().zip(declared).zip(off) {

@@ -20,9 +20,8 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     for (index, furniture) in scene.furniture.iter().enumerate() {
         found.extend(place_problem(&rooms, &format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]));
     }
-    // Landmarks must be in the robot's own room, as no line of sight leads out of this room.
     for (index, landmark) in scene.landmarks.iter().enumerate() {
-        found.extend(place_problem(&rooms[..1], &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
+        found.extend(place_problem(&rooms, &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
     }
     let walls = wall_panels(scene, &rooms);
     for (index, person) in scene.people.iter().enumerate() {

@@ -134,7 +134,7 @@ pub(crate) fn standing_walls(rooms: &[Enclosure]) -> Vec<Side> {
 }
 
 /// The parts of a room's side on which there is no wall because another room is there, as shares of the side's length.
-fn covered(rooms: &[Enclosure], index: usize, side: &Side) -> Vec<[f64; 2]> {
+pub(super) fn covered(rooms: &[Enclosure], index: usize, side: &Side) -> Vec<[f64; 2]> {
     others(rooms, index).filter_map(|(other, room)| room.covers(side, other < index)).collect()
 }
 
@@ -173,7 +173,7 @@ pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
 }
 
 /// The parts of the range from 0 to 1 that are left when the given gaps are taken out.
-fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+pub(super) fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     gaps.sort_by(|one, other| one[0].total_cmp(&other[0]));
     let (mut left, mut at) = (Vec::new(), 0.0);
     for [from, to] in gaps {

@@ -4,7 +4,7 @@ use nalgebra::{Rotation2, Vector2, vector};
 use rand::Rng;
 
 use crate::{
-    scene::{Distribution, Room, Tiles},
+    scene::{Distribution, Tiles},
     truth::randomness::{self, draw_within},
 };
 
@@ -64,12 +64,12 @@ pub struct JointErrors {
 const MARGIN_JOINTS: i32 = 2;
 
 impl LaidTiles {
-    /// Lays the tiles of a room, with all errors drawn at random for a seed.
+    /// Lays tiles over a floor, given by its least and its greatest coordinates in the world frame, with all errors drawn at random for a seed.
     ///
     /// Laying, corners, wear, missing joints and albedos have a random stream each. Every point of a joint's centre line in the room is within
     /// `laying_tolerance_m + corner_tolerance_m` of the joint's nominal line, unless a tile is misplaced.
-    pub fn draw(tiles: &Tiles, room: &Room, distribution: Distribution, seed: u64) -> LaidTiles {
-        let [low_m, high_m] = room_in_grid(tiles, room);
+    pub fn draw(tiles: &Tiles, floor_m: [[f64; 2]; 2], distribution: Distribution, seed: u64) -> LaidTiles {
+        let [low_m, high_m] = floor_in_grid(tiles, floor_m);
         let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
         let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
         let mut first = [0; 2];
@@ -135,14 +135,21 @@ impl LaidTiles {
         joints
     }
 
-    /// Greatest errors of those parts of the joints that lie in the room and within a radius around a point of the floor (world frame).
-    pub fn errors_near(&self, tiles: &Tiles, room: &Room, place_in_world_m: [f64; 2], radius_m: f64) -> JointErrors {
+    /// Greatest errors of those parts of the joints that lie on the floor, given by its least and its greatest coordinates, and within a radius around a
+    /// point of the floor (world frame).
+    pub fn errors_near(
+        &self,
+        tiles: &Tiles,
+        floor_m: [[f64; 2]; 2],
+        place_in_world_m: [f64; 2],
+        radius_m: f64,
+    ) -> JointErrors {
         let grid_from_world = grid_from_world(tiles);
         let place = grid_from_world * Vector2::from(place_in_world_m);
         let reach = vector![radius_m + 2.0 * tiles.edge_x_m, radius_m + 2.0 * tiles.edge_y_m];
         let mut greatest = JointErrors::default();
         for segment in self.segments_within(tiles, place, reach) {
-            let Some(in_room) = segment.within(&grid_from_world, room) else { continue };
+            let Some(in_room) = segment.within(&grid_from_world, floor_m) else { continue };
             let Some(part) = segment.in_disc(place, radius_m, in_room) else { continue };
             let largest = |ends: [f64; 2]| part.map(|share| (ends[0] + (ends[1] - ends[0]) * share).abs());
             let [from_m, to_m] = largest(segment.offset_m);
@@ -269,9 +276,10 @@ fn grid_from_world(tiles: &Tiles) -> Rotation2<f64> {
     Rotation2::new(-tiles.rotation_deg.to_radians())
 }
 
-/// Lowest and highest coordinates of the room in the grid frame, the frame of the tiles.
-fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
-    let corners = [[0.0, 0.0], [room.width_m, 0.0], [0.0, room.depth_m], [room.width_m, room.depth_m]]
+/// Lowest and highest coordinates in the grid frame, the frame of the tiles, of a floor given by its least and its greatest coordinates in the world
+/// frame.
+fn floor_in_grid(tiles: &Tiles, [[x0_m, y0_m], [x1_m, y1_m]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let corners = [[x0_m, y0_m], [x1_m, y0_m], [x0_m, y1_m], [x1_m, y1_m]]
         .map(|corner| grid_from_world(tiles) * Vector2::from(corner));
     let low = corners.iter().fold(corners[0], |low, corner| low.inf(corner));
     let high = corners.iter().fold(corners[0], |high, corner| high.sup(corner));

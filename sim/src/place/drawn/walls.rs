@@ -6,6 +6,7 @@ use crate::{
 };
 
 use super::DrawnPlace;
+use crate::place::building::GroundPlan;
 
 /// Step, in per cent of the drawn turn, by which the walls' turn is reduced until the turned walls leave room for the robot's body wherever the
 /// scene puts the robot.
@@ -21,8 +22,18 @@ const ON_PURPOSE_DEG: f64 = 5.0;
 pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
     let drawn_deg = draw_within(scene.walls_askew_deg(), scene.robot.errors, &mut stream(seed, "walls"));
     let lesser = (0..=100 / STEP_PERCENT).map(|step| drawn_deg * f64::from(100 - STEP_PERCENT * step) / 100.0);
-    let leaves_places = |turn_deg: &f64| scene.leaves_places(turn_deg.to_radians());
-    lesser.into_iter().find(leaves_places).unwrap_or(0.0)
+    lesser.into_iter().find(|turn_deg| leaves_places(scene, *turn_deg)).unwrap_or(0.0)
+}
+
+/// Whether walls turned by `turn_deg` leave enough room for the robot's body at every position at which the scene puts the robot.
+fn leaves_places(scene: &Scene, turn_deg: f64) -> bool {
+    let mut turned = scene.clone();
+    turned.turn_walls(turn_deg);
+    let ground_plan = GroundPlan::of(&turned);
+    // A true position is drawn at random within a square around the stated one.
+    scene.places().into_iter().all(|(at_m, tolerance_m)| {
+        ground_plan.wall_distance_from_square_m(at_m, tolerance_m) >= scene.robot.body_radius_m
+    })
 }
 
 impl Scene {

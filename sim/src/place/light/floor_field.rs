@@ -1,14 +1,21 @@
-//! Distribution of light over the floor of the robot's room.
+//! Distribution of light over the floors of a building.
 
 use nalgebra::Vector2;
 
 use super::{Illuminance, LightMap, Patch};
-use crate::place::building::{Building, Part};
+use crate::place::building::{Building, Panel, Part};
 
-/// Distribution of light over a rectangular floor: equivalent lux in the visible band (photons counted as lux at 555 nm), per lux of the floor's
-/// mean illuminance.
+/// Distribution of light over the floors of a building's rooms: equivalent lux in the visible band (photons counted as lux at 555 nm), per lux of the
+/// mean illuminance of the robot's room.
 #[derive(Clone, Debug)]
 pub struct FloorField {
+    /// Fields of the rooms, the robot's own room first.
+    rooms: Vec<RoomField>,
+}
+
+/// Distribution of light over the rectangular floor of one room.
+#[derive(Clone, Debug)]
+struct RoomField {
     /// World position of the first node of the grid of points at which the light on the floor is known, and the directions along a row of nodes
     /// and across the rows.
     corner_m: Vector2<f64>,
@@ -20,29 +27,54 @@ pub struct FloorField {
 }
 
 impl FloorField {
-    /// The distribution of light over the floor of the first room of a light map, which is the robot's. `nodes` are the values at the map's
-    /// nodes, either the map's own or those with the shadows of people; `None` if the building has no floor.
+    /// The distribution of light over the floors of a light map. `nodes` are the values at the map's nodes, either the map's own or those with the
+    /// shadows of people; `None` if the building has no floor.
     pub fn new(building: &Building, map: &LightMap, nodes: &[[f32; 2]]) -> Option<FloorField> {
-        let index = building.panels.iter().position(|panel| panel.part == Part::Floor)?;
-        let panel = &building.panels[index];
-        let (Patch { first, count }, size_m) = (map.patches[index], panel.size_m());
+        let of_room = |room: usize| {
+            let is_floor = |panel: &Panel| panel.part == Part::Floor && panel.room == room;
+            let index = building.panels.iter().position(is_floor)?;
+            Some(RoomField::new(&building.panels[index], map, (map.patches[index], nodes)))
+        };
+        let rooms: Vec<RoomField> = (0..building.rooms.len()).filter_map(of_room).collect();
+        (!rooms.is_empty()).then_some(FloorField { rooms })
+    }
+
+    /// The illuminance at a point of the floor (world frame) relative to the mean over the robot's room, bilinear between the nodes of a floor's grid. A
+    /// point in no room has the light of the nearest place of the robot's room.
+    pub fn at(&self, place_m: Vector2<f64>) -> f64 {
+        let room = self.rooms.iter().find(|room| room.contains(place_m)).unwrap_or(&self.rooms[0]);
+        room.at(place_m)
+    }
+}
+
+impl RoomField {
+    fn new(panel: &Panel, map: &LightMap, (Patch { first, count }, nodes): (Patch, &[[f32; 2]])) -> RoomField {
+        let size_m = panel.size_m();
         let Illuminance { lux: mean_lux, .. } = map.mean_at_floor;
         let node = |i: usize, j: usize| f64::from(nodes[(first[1] + j) * map.size[0] + first[0] + i][0]);
         let share = (0..count[1]).flat_map(|j| (0..count[0]).map(move |i| (i, j)));
-        Some(FloorField {
+        RoomField {
             corner_m: panel.corner.coords.xy(),
             axes: [panel.along, panel.up].map(|side| side.xy().normalize()),
             count,
             distance_m: [0, 1].map(|axis| size_m[axis] / (count[axis] - 1) as f64),
             share: share.map(|(i, j)| if mean_lux > 0.0 { node(i, j) / mean_lux } else { 0.0 }).collect(),
-        })
+        }
     }
 
-    /// The illuminance at a point of the floor (world frame) relative to the floor's mean, bilinear between the nodes of the floor's grid.
-    pub fn at(&self, place_m: Vector2<f64>) -> f64 {
+    /// Position along a side of the floor, in distances between nodes.
+    fn node(&self, place_m: Vector2<f64>, axis: usize) -> f64 {
+        (place_m - self.corner_m).dot(&self.axes[axis]) / self.distance_m[axis]
+    }
+
+    fn contains(&self, place_m: Vector2<f64>) -> bool {
+        (0..2).all(|axis| (0.0..=(self.count[axis] - 1) as f64).contains(&self.node(place_m, axis)))
+    }
+
+    fn at(&self, place_m: Vector2<f64>) -> f64 {
         let split = |axis: usize| {
             let last = (self.count[axis] - 1) as f64;
-            let node = ((place_m - self.corner_m).dot(&self.axes[axis]) / self.distance_m[axis]).clamp(0.0, last);
+            let node = self.node(place_m, axis).clamp(0.0, last);
             let low = (node as usize).min(self.count[axis] - 2);
             (low, node - low as f64)
         };

@@ -10,13 +10,13 @@ use super::{
 };
 use crate::{
     optics::Intrinsics,
-    place::{drawn::LaidTiles, light::FloorField},
+    place::{building::GroundPlan, drawn::LaidTiles, light::FloorField},
     render::{
         FloorLight, RenderError, View,
         exposure::{MAX_SUB_FRAMES, Path, interpolate},
         lens::LensSlot,
     },
-    scene::{Pattern, Plan, Region, Scene, Stray, Tiles},
+    scene::{Pattern, Region, Scene, Stray, Tiles},
     world::Drawn,
 };
 
@@ -31,7 +31,7 @@ pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
 pub(in crate::render) struct Floor {
     tiled: Option<(Tiles, LaidTiles)>,
     strays: Vec<Stray>,
-    plan: Plan,
+    ground_plan: GroundPlan,
     light: FloorLight,
     /// Distribution over the floor of the light from the scene's lamps, if it has any.
     pub(in crate::render) lamplight: Option<FloorField>,
@@ -80,7 +80,7 @@ impl Floor {
         Floor {
             tiled: scene.floor.tiles.clone().zip(drawn.place.tiles.clone()),
             strays: scene.floor.strays.clone(),
-            plan: scene.plan(),
+            ground_plan: GroundPlan::of(scene),
             light: FloorLight::new(&scene.light, &scene.room),
             lamplight,
             coverings: scene.floor.regions.iter().filter(|region| region.covering.is_some()).cloned().collect(),
@@ -107,7 +107,7 @@ impl Floor {
         };
         bands.extend(geometry::coverings_in_view(&self.coverings, &frame, &seen));
         bands.extend(geometry::strays_in_view(&self.strays, &frame, &seen));
-        bands.extend(geometry::walls_in_view(&self.plan, &frame, &seen));
+        bands.extend(geometry::walls_in_view(&self.ground_plan, &path.middle, &frame, &seen));
         Ok(Cut { uniform: self.uniform((view, &plate), &path, &frame)?, faces, bands })
     }
 
@@ -182,7 +182,7 @@ impl Floor {
         })
     }
 
-    /// The part of the floor that the camera sees during its exposure. A camera that sees above the horizon is taken to see the whole room.
+    /// The part of the floor that the camera sees during its exposure. A camera that sees above the horizon is taken to see the whole floor.
     fn footprint(&self, plate: &Intrinsics, path: &Path, frame: &LocalFrame) -> Footprint {
         let [width, height] = plate.size_px.map(|size| f64::from(size) - 0.5);
         let pixels = [[-0.5, -0.5], [width, -0.5], [-0.5, height], [width, height]];
@@ -196,13 +196,13 @@ impl Floor {
         for pixel in pixels {
             let beside = [pixel[0] + 1.0, pixel[1] + 1.0];
             let (Some(place), Some(next)) = (at(&path.middle, pixel), at(&path.middle, beside)) else {
-                return self.whole_room(frame);
+                return self.whole_floor(frame);
             };
             // The diagonal of a pixel on the floor, and half as much again for the margin in which the edges of drawn faces and bands fade out.
             seen.pixel_m = seen.pixel_m.max(1.5 * (next - place).norm());
             for pose in &path.sub_frame_ends {
                 let Some(moved) = at(pose, pixel) else {
-                    return self.whole_room(frame);
+                    return self.whole_floor(frame);
                 };
                 seen.low = seen.low.inf(&moved);
                 seen.high = seen.high.sup(&moved);
@@ -212,14 +212,13 @@ impl Floor {
         seen
     }
 
-    fn whole_room(&self, frame: &LocalFrame) -> Footprint {
-        let [width, depth] = self.plan.size_m;
-        let corners = [[0.0, 0.0], [width, 0.0], [0.0, depth], [width, depth]]
-            .map(|corner| frame.place(self.plan.stands(corner).into()));
+    fn whole_floor(&self, frame: &LocalFrame) -> Footprint {
+        let [[x0_m, y0_m], [x1_m, y1_m]] = self.ground_plan.extents_m();
+        let corners = [[x0_m, y0_m], [x1_m, y0_m], [x0_m, y1_m], [x1_m, y1_m]].map(|corner| frame.place(corner.into()));
         Footprint {
             low: corners.iter().fold(corners[0], |low, corner| low.inf(corner)),
             high: corners.iter().fold(corners[0], |high, corner| high.sup(corner)),
-            pixel_m: width.max(depth) / 100.0,
+            pixel_m: (x1_m - x0_m).max(y1_m - y0_m) / 100.0,
             motion_m: Vector2::zeros(),
         }
     }

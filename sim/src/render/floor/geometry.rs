@@ -3,12 +3,15 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::{Vector2, vector};
+use nalgebra::{Isometry3, Vector2, vector};
 
 use super::local::LocalFrame;
 use crate::{
-    place::{building::covering_albedo, drawn::LaidTiles},
-    scene::{Plan, Region, Stray, Tiles},
+    place::{
+        building::{GroundPlan, covering_albedo},
+        drawn::LaidTiles,
+    },
+    scene::{Region, Stray, Tiles},
 };
 
 /// Albedo of a floor without tiles: grey screed.
@@ -231,18 +234,18 @@ pub(super) fn strays_in_view<'a>(
     })
 }
 
-/// The area beyond the room's walls, as far as it is in view, as flat bands over the floor.
+/// The area beyond the walls, as far as it is in view, as flat bands over the floor.
 pub(super) fn walls_in_view<'a>(
-    plan: &Plan,
+    ground_plan: &GroundPlan,
+    world_from_camera: &Isometry3<f64>,
     frame: &'a LocalFrame,
     seen: &'a Footprint,
 ) -> impl Iterator<Item = BandInstance> + 'a {
-    let [width, depth] = plan.size_m;
-    let corners = [[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]].map(|corner| plan.stands(corner));
+    let faces = ground_plan.faces_seen_from(world_from_camera.translation.vector.xy().into());
     // Depth of the flat band that stands for the area behind a wall: enough to fill the picture beyond the wall from any place in the room.
     let depth_m = (seen.high - seen.low).norm() + 1.0;
-    (0..4).filter_map(move |side| {
-        let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|corner| frame.place(corner.into()));
+    faces.into_iter().filter_map(move |face| {
+        let [from, to] = face.ends_m.map(|end| frame.place(end));
         let along = (to - from).normalize();
         let outward = vector![along.y, -along.x];
         // Distance from the wall to the outermost corner of the visible part of the floor, if that corner is beyond the wall.
@@ -253,12 +256,18 @@ pub(super) fn walls_in_view<'a>(
                 (vector![x, y] - from).dot(&outward)
             })
             .fold(f64::MIN, f64::max);
-        // The middle of the band that stands for the area behind a wall is put beside the camera, so that its coordinates are small.
+        // The middle of the band that stands for the area behind a wall is put beside the camera, so that its coordinates are small. Where the wall
+        // ends in an open door, so does the band.
         let beside = from + along * (-from).dot(&along) + outward * (depth_m / 2.0);
+        let reach_m = [(from - beside).dot(&along), (to - beside).dot(&along)];
+        let ends_m = [
+            if face.goes_on[0] { -depth_m } else { reach_m[0].max(-depth_m) },
+            if face.goes_on[1] { depth_m } else { reach_m[1].min(depth_m) },
+        ];
         let margin_m = seen.widest_margin_m();
-        (farthest_m + margin_m > 0.0).then(|| BandInstance {
+        (farthest_m + margin_m > 0.0 && ends_m[0] < ends_m[1]).then(|| BandInstance {
             albedo: WALL_ALBEDO,
-            ..BandInstance::between(beside - along * depth_m, beside + along * depth_m, depth_m, [margin_m; 2])
+            ..BandInstance::between(beside + along * ends_m[0], beside + along * ends_m[1], depth_m, [margin_m; 2])
         })
     })
 }

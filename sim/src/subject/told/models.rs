@@ -10,6 +10,7 @@ use localizer::{
 use crate::{
     base::wheel_model,
     devices::first_arrivals_s,
+    place::building::{Enclosure, enclosures},
     scene::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles},
 };
 
@@ -59,9 +60,13 @@ impl Scene {
         model
     }
 
-    /// Intervals of x and y that hold the room, however its walls stand within their tolerance.
+    /// Intervals of x and y that hold all rooms, however their walls stand within their tolerance.
     pub(crate) fn room_hull_m(&self) -> [Interval; 2] {
         let most_deg = if self.draws_walls() { self.localizer.wall_directions().tolerance_deg } else { 0.0 };
+        let rooms = enclosures(self);
+        if rooms.len() > 1 {
+            return hull_of_turned(&rooms, self.plan().size_m.map(|extent_m| 0.5 * extent_m), most_deg.to_radians());
+        }
         let (plan, beyond_m) = (self.plan(), self.plan().beyond_m(most_deg.to_radians()));
         [0, 1].map(|axis| Interval::new(-beyond_m[axis], plan.size_m[axis] + beyond_m[axis]))
     }
@@ -122,6 +127,19 @@ impl Scene {
             Interval::centred(start.heading_rad, self.start.tolerance_deg.to_radians() + turned_rad),
         ])
     }
+}
+
+/// Intervals of x and y that hold all corners of rooms, however they are turned together about a point by up to `most_rad` either way.
+fn hull_of_turned(rooms: &[Enclosure], about_m: [f64; 2], most_rad: f64) -> [Interval; 2] {
+    let turn = Interval::new(-most_rad, most_rad);
+    let (sin, cos) = (turn.sin(), turn.cos());
+    let [mut x, mut y] = [Interval::EMPTY; 2];
+    for side in rooms.iter().flat_map(Enclosure::sides) {
+        let [along_x, along_y] = [side.from.x - about_m[0], side.from.y - about_m[1]].map(Interval::point);
+        x = x.hull(cos * along_x - sin * along_y + Interval::point(about_m[0]));
+        y = y.hull(sin * along_x + cos * along_y + Interval::point(about_m[1]));
+    }
+    [x, y]
 }
 
 fn tile_grid(tiles: &Tiles, scene: &Scene) -> TileGrid {

@@ -2,8 +2,6 @@
 
 use nalgebra::{Rotation2, Vector2};
 
-use crate::scene::Room;
-
 /// A segment of a joint between two neighbouring tile corners, grid frame.
 pub(super) struct Segment {
     pub(super) axis: usize,
@@ -27,19 +25,21 @@ impl Segment {
         (place - self.from - reach * share).norm()
     }
 
-    /// The part of a joint segment that lies in the room, as a range of shares of its length (Liang and Barsky's clipping).
-    pub(super) fn within(&self, grid_from_world: &Rotation2<f64>, room: &Room) -> Option<[f64; 2]> {
+    /// The part of a joint segment that lies on a floor, given by its least and its greatest coordinates in the world frame, as a range of shares of
+    /// its length (Liang and Barsky's clipping).
+    pub(super) fn within(&self, grid_from_world: &Rotation2<f64>, floor_m: [[f64; 2]; 2]) -> Option<[f64; 2]> {
         let from = grid_from_world.inverse() * self.from;
         let reach = grid_from_world.inverse() * (self.to - self.from);
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
-        for (axis, extent_m) in [room.width_m, room.depth_m].into_iter().enumerate() {
+        for axis in 0..2 {
+            let [least_m, most_m] = floor_m.map(|corner| corner[axis]);
             if reach[axis].abs() < 1e-12 {
-                if !(0.0..=extent_m).contains(&from[axis]) {
+                if !(least_m..=most_m).contains(&from[axis]) {
                     return None;
                 }
                 continue;
             }
-            let ends = [-from[axis] / reach[axis], (extent_m - from[axis]) / reach[axis]];
+            let ends = [(least_m - from[axis]) / reach[axis], (most_m - from[axis]) / reach[axis]];
             low = low.max(ends[0].min(ends[1]));
             high = high.min(ends[0].max(ends[1]));
         }
