@@ -57,3 +57,18 @@ fn few_of_the_scenes_that_are_drawn_are_refused() {
         assert!(4 * refused.len() < cases as usize, "{} of {cases} refused: {refused:?}", refused.len());
     }
 }
+
+#[test]
+fn some_scenes_lead_through_an_open_door_into_another_room() {
+    let leads_out = |number: u32| {
+        let (scene, _) = drawn(1, Profile::WithoutCameras, number.into(), 0);
+        let width_m = scene["room"]["width_m"].as_float().unwrap();
+        let waypoints = scene.get("route").and_then(|route| route["waypoint"].as_array()).into_iter().flatten();
+        let goes_out = waypoints.filter_map(|waypoint| waypoint.get("x_m")?.as_float()).any(|x_m| x_m > width_m);
+        let is_valid = Scene::parse(&scene.to_string(), "drawn.toml").is_ok();
+        (goes_out, goes_out && is_valid)
+    };
+    let drawn: Vec<(bool, bool)> = (0..400).map(leads_out).collect();
+    let (out, valid) = (drawn.iter().filter(|(out, _)| *out).count(), drawn.iter().filter(|(_, valid)| *valid).count());
+    assert!(out > 8 && 10 * valid > 7 * out, "{valid} of {out} are valid");
+}

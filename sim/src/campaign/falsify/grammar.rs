@@ -8,6 +8,7 @@
 mod building;
 mod ceiling;
 mod drive;
+mod far_room;
 mod numbers;
 mod robot;
 mod settled;

@@ -4,11 +4,14 @@ use nalgebra::{Point3, Vector2, vector};
 
 use super::{
     leads_into_a_room,
-    walls::{Enclosure, Side, covered, enclosures, on_side, remaining},
+    walls::{Enclosure, covered, enclosures, on_side, remaining},
 };
 use crate::scene::{Door, Plan, Scene};
 
 mod blocks;
+mod wall;
+
+use wall::{Wall, feet};
 
 /// Thickness of the walls of a building with a single room, and the greatest thickness of walls between rooms. A body that was driven deeper than half
 /// of it would come out behind.
@@ -28,19 +31,6 @@ struct Rooms {
     rooms: Vec<Enclosure>,
     walls: Vec<Wall>,
     doorways: Vec<Doorway>,
-}
-
-/// An upright part of a wall. The room that it belongs to is on the left of the way from its start to its end.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wall {
-    /// Ends of the part on the floor plan, world frame.
-    pub(crate) ends_m: [Vector2<f64>; 2],
-    /// Heights of the lower and the upper edge above the floor.
-    pub(crate) between_m: [f64; 2],
-    /// Index of the room that the wall belongs to; `None` for the wall's end inside an open door.
-    pub(crate) room: Option<usize>,
-    /// Whether the start and the end are corners of the room.
-    pub(crate) is_corner: [bool; 2],
 }
 
 /// A wall that hides the floor behind it. It faces the left of the way from its start to its end.
@@ -260,11 +250,6 @@ impl Rooms {
     }
 }
 
-/// The two points between which a part of a room's side stands on the floor, given as shares of the side's length.
-fn feet(side: &Side, shares: [f64; 2]) -> [Vector2<f64>; 2] {
-    shares.map(|share| (side.from + (side.to - side.from) * share).xy().coords)
-}
-
 impl Doorway {
     /// Whether a position is in the doorway, whose corners go round either way.
     fn contains(&self, at: Vector2<f64>) -> bool {
@@ -276,72 +261,5 @@ impl Doorway {
         let turns: Vec<f64> = turns.collect();
         turns.iter().all(|turn| *turn >= 0.0) && turns.iter().any(|turn| *turn > 0.0)
             || turns.iter().all(|turn| *turn <= 0.0) && turns.iter().any(|turn| *turn < 0.0)
-    }
-}
-
-impl Wall {
-    fn on(side: &Side, room: usize, shares: [f64; 2], between_m: [f64; 2]) -> Wall {
-        let is_corner = [shares[0] == 0.0, shares[1] == 1.0];
-        Wall { ends_m: feet(side, shares), between_m, room: Some(room), is_corner }
-    }
-
-    fn distance_m(&self, at: Vector2<f64>) -> f64 {
-        let [from, to] = self.ends_m;
-        let along = to - from;
-        let share = (at - from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
-        (at - from - along * share.clamp(0.0, 1.0)).norm()
-    }
-
-    /// Distance along a ray, given by its start and a unit vector, at which it meets the wall from either side; `None` if it does not.
-    fn met_at_m(&self, eye: Vector2<f64>, direction: Vector2<f64>) -> Option<f64> {
-        let [from, to] = self.ends_m;
-        let (along, to_start) = (to - from, from - eye);
-        let facing = direction.perp(&along);
-        let (distance_m, share) = (to_start.perp(&along) / facing, to_start.perp(&direction) / facing);
-        // A ray along the wall meets it nowhere.
-        (distance_m.is_finite() && distance_m >= 0.0 && (0.0..=1.0).contains(&share)).then_some(distance_m)
-    }
-
-    /// Whether the wall stands on the line between two points, farther than `margin_m` from the second.
-    fn separates(&self, from: Point3<f64>, to: Point3<f64>, margin_m: f64) -> bool {
-        let way = to - from;
-        let (level_m, length_m) = (way.xy().norm(), way.norm());
-        if level_m == 0.0 {
-            return false;
-        }
-        let Some(met_at_m) = self.met_at_m(from.xy().coords, way.xy() / level_m) else { return false };
-        let share = met_at_m / level_m;
-        let height_m = from.z + way.z * share;
-        share * length_m <= length_m - margin_m && (self.between_m[0]..=self.between_m[1]).contains(&height_m)
-    }
-
-    /// Distance of the wall's foot from a square with sides along the axes.
-    fn distance_from_square_m(&self, centre: Vector2<f64>, half_m: f64) -> f64 {
-        if half_m > 0.0 && self.crosses_square(centre, half_m) {
-            return 0.0;
-        }
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        let from_corners = corners.map(|[x, y]| self.distance_m(centre + vector![x, y] * half_m));
-        let from_ends = self.ends_m.map(|end| (end - centre).abs().add_scalar(-half_m).sup(&Vector2::zeros()).norm());
-        from_corners.into_iter().chain(from_ends).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Whether the foot of the wall passes through a square with sides along the axes (Liang and Barsky's clipping).
-    fn crosses_square(&self, centre: Vector2<f64>, half_m: f64) -> bool {
-        let [from, to] = self.ends_m.map(|end| end - centre);
-        let way = to - from;
-        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        for axis in 0..2 {
-            if way[axis] == 0.0 {
-                if from[axis].abs() >= half_m {
-                    return false;
-                }
-                continue;
-            }
-            let (one, other) = ((-half_m - from[axis]) / way[axis], (half_m - from[axis]) / way[axis]);
-            enter = enter.max(one.min(other));
-            leave = leave.min(one.max(other));
-        }
-        enter < leave
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     scene::{MethodName, Robot},
 };
 
-use super::{building, ceiling, drive, robot};
+use super::{building, ceiling, drive, far_room, robot};
 
 /// Changes a drawn scene so that it can be simulated.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cameras: bool) {
@@ -25,6 +25,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
     methods(scene, draws, &fitted);
     building::settle(scene, draws, room_m, &fitted);
     drive::settle(scene, draws, room_m, &fitted);
+    far_room::settle(scene, draws, room_m, &fitted);
     ceiling::settle(scene, draws, room_m, &fitted);
     floor(scene, draws, room_m);
     events(scene, draws, duration_s);
