@@ -72,6 +72,10 @@ fn beside_an_open_door_and_at_a_closed_one_the_wall_between_rooms_stops_the_robo
         let reached_m = drives_to_m(y_m, None);
         assert!((reached_m - 3.75).abs() < 0.002, "from y = {y_m}: {reached_m}");
     }
+    // Rooms without a wall's thickness between them have a thin wall for the body, which begins some millimetres before the one that is seen.
+    let wall_to_wall = json!({ "room": [{ "x_m": 4.0, "y_m": 0.0, "width_m": 3.0, "depth_m": 3.0 }] });
+    let reached_m = drives_to_m(1.5, Some(wall_to_wall));
+    assert!((3.744..3.752).contains(&reached_m), "{reached_m}");
     let closed = with_doors(json!([{ "from_m": [4.0, 1.0], "to_m": [4.0, 2.0] }]));
     let reached_m = drives_to_m(1.5, Some(closed));
     assert!((reached_m - 3.75).abs() < 0.002, "{reached_m}");

@@ -409,7 +409,7 @@ fn furniture_and_people_may_be_in_further_rooms_but_not_in_walls() {
             "[[furniture]]\nx_m = 6.5\ny_m = 1.0\nsize_m = [0.5, 0.5]\n",
             ["`furniture[0].x_m", "or a place in a further"],
         ),
-        ("[[landmark]]\nx_m = 4.0\ny_m = 1.0\n", ["`landmark[0].x_m", "from 0 to 3"]),
+        ("[[landmark]]\nx_m = 6.5\ny_m = 1.0\n", ["`landmark[0].x_m", "or a place in a further"]),
         (
             "[[person]]\nwaypoints_m = [[5.0, 0.95], [7.0, 0.95]]\n",
             ["`person[0].waypoints_m", "[7, 0.95] is in no room"],

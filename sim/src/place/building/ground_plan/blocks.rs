@@ -6,7 +6,7 @@ use super::{GroundPlan, Rooms, WALL_THICKNESS_M, Wall};
 
 /// Least thickness of a block. Where rooms meet at a sharp angle, or stand wall to wall without a wall's thickness between them, the block reaches into
 /// the other room by this much at most.
-const LEAST_THICKNESS_M: f64 = 0.01;
+const LEAST_THICKNESS_M: f64 = 0.004;
 
 /// Margin, for rounding, by which a block is made smaller when it is compared with rooms that it may touch.
 const TOUCH_M: f64 = 1e-6;
