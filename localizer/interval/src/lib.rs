@@ -57,6 +57,7 @@
 //! | make boxes smaller by constraints | [`contractor`] |
 //! | prove boxes inside or outside of a set | [`separator`] |
 //! | cover solutions or a set by boxes | [`paving`] |
+//! | bound linear functions over linear rows, whatever solver found the duals | [`linear_program`] |
 //!
 //! # What is promised
 //!
@@ -78,6 +79,7 @@ mod dual;
 pub mod contractor;
 pub mod separator;
 pub mod paving;
+pub mod linear_program;
 
 pub use boxes::IntervalBox;
 pub use dual::Dual;
