@@ -6,10 +6,14 @@ use localizer::{Pose, Reading};
 use serde_json::{Value, json};
 use sim::{
     devices::Sensor,
-    place::navigation::{Cell, OccupancyGrid, Planner},
+    place::{
+        building::Building,
+        navigation::{Cell, OccupancyGrid, Planner},
+    },
     run::{Clearance, sensors::Sensors},
     scene::Scene,
     truth::Truth,
+    world::Drawn,
 };
 
 use crate::{
@@ -125,6 +129,55 @@ fn beams_go_through_the_door_and_end_at_the_far_rooms_walls() {
     let low = with_doors(json!([{ "from_m": [4.0, 1.0], "to_m": [4.0, 2.0], "height_m": 0.5, "open": true }]));
     meets(fan(standing(2.0, 1.5, 0.0), 0.6, Some(low))[1], 2.0);
     meets(fan(standing(6.0, 1.5, std::f64::consts::PI), 0.3, None)[1], 6.0);
+}
+
+/// Distance from a place to the nearest face that is seen along a ray; infinite where a ray meets nothing.
+fn seen_at_m(building: &Building, from: [f64; 3], ray: [f64; 3]) -> f64 {
+    let seen = building.panels.iter().filter_map(|panel| panel.seen_along(from.into(), ray.into()));
+    seen.fold(f64::INFINITY, f64::min)
+}
+
+fn built(scene: &Scene) -> Building {
+    Building::new(scene, &Drawn::draw(scene, 0).place)
+}
+
+#[test]
+fn the_inside_of_an_open_door_is_seen_where_it_is_felt() {
+    // From the middle of the passage, 1 m above the floor: floor, lintel (2.05 m), both jambs, and the far walls of both rooms.
+    let building = built(&two_rooms(json!({})));
+    let distances_m = [
+        ([0.0, 0.0, -1.0], 1.0),
+        ([0.0, 0.0, 1.0], 1.05),
+        ([0.0, 1.0, 0.0], 0.5),
+        ([0.0, -1.0, 0.0], 0.5),
+        ([1.0, 0.0, 0.0], 3.05),
+        ([-1.0, 0.0, 0.0], 4.05),
+    ];
+    for (ray, distance_m) in distances_m {
+        let seen_m = seen_at_m(&building, [4.05, 1.5, 1.0], ray);
+        // Floors lie in layers of 1 mm.
+        assert!((seen_m - distance_m).abs() < 0.003, "{ray:?}: {seen_m}, expected {distance_m}");
+    }
+}
+
+#[test]
+fn no_ray_leaves_rooms_at_an_angle_through_their_door() {
+    let rooms = json!([{ "x_m": 4.4, "y_m": 0.0, "width_m": 3.0, "depth_m": 2.6, "heading_deg": 8.0 }]);
+    let doors = json!([{ "from_m": [4.13, 0.9], "to_m": [4.10, 1.9], "open": true }]);
+    let building = built(&two_rooms(json!({ "building": { "room": rooms, "door": doors } })));
+    for place in [[3.5, 1.4, 0.3], [4.1, 1.4, 1.0], [5.2, 1.6, 0.3], [4.6, 0.9, 1.6]] {
+        for idx in 0..4_000 {
+            // Directions spread over the sphere by the golden angle.
+            let z = 1.0 - (2.0 * f64::from(idx) + 1.0) / 4_000.0;
+            let (angle, level) = (f64::from(idx) * 2.399_963, (1.0 - z * z).sqrt());
+            // The floors of further rooms lie 1 mm lower than their walls begin. A ray through that seam ends where one a little higher does.
+            let seen_m = [0.0, 0.004]
+                .map(|up| seen_at_m(&building, place, [level * angle.cos(), level * angle.sin(), z + up]))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min);
+            assert!(seen_m < 8.0, "from {place:?}, angle {angle}, rise {z}: {seen_m}");
+        }
+    }
 }
 
 #[test]

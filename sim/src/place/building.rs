@@ -2,6 +2,7 @@
 
 mod body;
 mod coverings;
+mod doorways;
 mod ground_plan;
 mod openings;
 mod panel;
@@ -11,7 +12,7 @@ mod walls;
 
 pub use body::{BodyMesh, BodyVertex, STRIDE_M, UprightBody, body_mesh};
 pub(crate) use coverings::covering_albedo;
-pub(crate) use ground_plan::GroundPlan;
+pub(crate) use ground_plan::{Doorway, GroundPlan};
 pub use openings::Opening;
 pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};
@@ -83,6 +84,7 @@ impl Building {
         let mut panels = walls::wall_panels(scene, &building.rooms);
         panels.extend(coverings::floor_panels(scene, &building));
         panels.extend(walls::ceiling_panels(scene, &building.rooms));
+        panels.extend(doorways::panels(scene, &building));
         for piece in &building.boxes {
             panels.extend(piece.panels(building.room_at(piece.middle())));
         }

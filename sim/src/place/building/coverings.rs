@@ -8,11 +8,7 @@ use crate::scene::{Covering, Scene};
 /// Flat faces (panels) of the building's geometry for the floors of all rooms, and above them those for the coverings of the scene's floor
 /// regions.
 pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
-    let usual = match &scene.floor.tiles {
-        Some(tiles) => Material::matt(tiles.tile_albedo).with(Texture::Tiles).glossy(0.03, 0.035),
-        None => material(scene.floor.covering, 0),
-    };
-    let base = usual.glossy(scene.floor.gloss.unwrap_or(usual.mirrored), usual.roughness_rad);
+    let base = usual(scene);
     let mut panels: Vec<Panel> = building
         .rooms
         .iter()
@@ -38,6 +34,15 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
         });
     }
     panels
+}
+
+/// Material of the floor where no region of it has another covering.
+pub(super) fn usual(scene: &Scene) -> Material {
+    let usual = match &scene.floor.tiles {
+        Some(tiles) => Material::matt(tiles.tile_albedo).with(Texture::Tiles).glossy(0.03, 0.035),
+        None => material(scene.floor.covering, 0),
+    };
+    usual.glossy(scene.floor.gloss.unwrap_or(usual.mirrored), usual.roughness_rad)
 }
 
 /// Mean visible albedo of a floor covering.

@@ -42,9 +42,14 @@ pub(crate) struct Face {
     pub(crate) goes_on: [bool; 2],
 }
 
-/// The floor of an open door, between the two rooms that it connects: its corners in order, world frame.
+/// The passage of an open door, between the two rooms that it connects.
 #[derive(Clone, Copy, Debug)]
-struct Doorway([Vector2<f64>; 4]);
+pub(crate) struct Doorway {
+    /// Corners of the passage's floor in order, world frame: both jambs in the one room, then both in the other.
+    pub(crate) corners_m: [Vector2<f64>; 4],
+    /// Height of the door's upper edge above the floor.
+    pub(crate) height_m: f64,
+}
 
 impl GroundPlan {
     /// The ground plan of a scene's building: as the scene states it, or as it truly stands if the scene's walls have been turned.
@@ -56,6 +61,11 @@ impl GroundPlan {
     /// Whether the building has further rooms beside the robot's own.
     pub(crate) fn has_further_rooms(&self) -> bool {
         self.rooms.is_some()
+    }
+
+    /// The passages of open doors between rooms.
+    pub(crate) fn doorways(&self) -> &[Doorway] {
+        self.rooms.as_ref().map_or(&[], |rooms| &rooms.doorways)
     }
 
     /// Distance of a position on the floor from the nearest wall that reaches the floor; negative where there is no floor.
@@ -211,7 +221,7 @@ impl Rooms {
                     room: None,
                     is_corner: [false; 2],
                 }));
-                doorways.push(Doorway([left, right, back_right, back_left]));
+                doorways.push(Doorway { corners_m: [left, right, back_right, back_left], height_m: door.height_m });
             }
         }
         Rooms { rooms, walls, doorways }
@@ -241,7 +251,7 @@ impl Rooms {
             let mut sides = room.sides().map(|side| side.from.xy().coords);
             [0; 4].map(|_| sides.next().unwrap_or_default())
         };
-        self.rooms.iter().map(corners).chain(self.doorways.iter().map(|door| door.0))
+        self.rooms.iter().map(corners).chain(self.doorways.iter().map(|door| door.corners_m))
     }
 
     /// The parts of walls that reach the floor.
@@ -254,7 +264,7 @@ impl Doorway {
     /// Whether a position is in the doorway, whose corners go round either way.
     fn contains(&self, at: Vector2<f64>) -> bool {
         let turns = (0..4).map(|index| {
-            let (from, to) = (self.0[index], self.0[(index + 1) % 4]);
+            let (from, to) = (self.corners_m[index], self.corners_m[(index + 1) % 4]);
             (to - from).perp(&(at - from))
         });
         // The corners of rooms that stand wall to wall enclose nothing.
