@@ -108,6 +108,9 @@ fn reduced_costs(program: &LinearProgram, cost: &Terms, duals: &[f64]) -> Option
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use num_rational::BigRational;
+    use num_traits::ToPrimitive;
+
     use super::*;
 
     /// x ∈ [0, 4], y ∈ [0, 3]; row 0: x + y ≥ 2, row 1: x − y = 1.
@@ -197,6 +200,65 @@ mod tests {
             assert_eq!(contradicting_rows(&program, &duals), None, "round {round}");
             assert!(certified_minimum_despite(&spoilt, &cost, &duals, 1, Some) <= value(&cost).hi(), "round {round}");
         }
+    }
+
+    /// The least value of Σ yᵢ·[loᵢ, hiᵢ] + (c − Aᵀy)·X, without any rounding. Duals of open sides count as 0.
+    fn exact_bound(program: &LinearProgram, cost: &Terms, duals: &[f64]) -> BigRational {
+        let exact = |number: f64| BigRational::from_float(number).unwrap();
+        let least =
+            |factor: &BigRational, range: Interval| (factor * exact(range.lo())).min(factor * exact(range.hi()));
+        let mut reduced = vec![exact(0.0); program.n_variables()];
+        for &(variable, coefficient) in cost {
+            reduced[variable] += exact(coefficient);
+        }
+        let mut bound = exact(0.0);
+        for (row, &dual) in duals.iter().enumerate() {
+            let side = if dual > 0.0 { program.sides(row).lo() } else { program.sides(row).hi() };
+            if dual == 0.0 || !side.is_finite() {
+                continue;
+            }
+            bound += exact(dual) * exact(side);
+            for &(variable, coefficient) in program.terms(row) {
+                reduced[variable] -= exact(dual) * exact(coefficient);
+            }
+        }
+        reduced.iter().zip(program.variables()).fold(bound, |bound, (factor, &range)| bound + least(factor, range))
+    }
+
+    #[test]
+    fn certified_bounds_are_just_below_the_exact_ones() {
+        let state = &mut 20261124;
+        let (mut n_above, mut worst) = (0, 0.0_f64);
+        for round in 0..10_000 {
+            let n_variables = 1 + round % 4;
+            // A box of one point each now and then: nothing but rounding is then between the certified bound and the exact one.
+            let variables = (0..n_variables).map(|_| {
+                let at = any(state);
+                if next(state) < 0.5 { Interval::point(at) } else { Interval::new(at, at + any(state).abs()) }
+            });
+            let mut program = LinearProgram::new(variables.collect()).unwrap();
+            let terms = |state: &mut u64| (0..n_variables).map(|j| (j, any(state))).collect::<Vec<_>>();
+            for _ in 0..round % 5 {
+                let (row, at) = (terms(state), any(state));
+                let sides = match next(state) {
+                    kind if kind < 0.4 => Interval::point(at),
+                    kind if kind < 0.8 => Interval::new(at, at + any(state).abs()),
+                    kind if kind < 0.9 => Interval::new(at, f64::INFINITY),
+                    _ => Interval::new(f64::NEG_INFINITY, at),
+                };
+                program.add_row(&row, sides).unwrap();
+            }
+            let cost = terms(state);
+            let duals: Vec<f64> = (0..program.n_rows()).map(|_| any(state)).collect();
+            let (certified, exact) = (certified_minimum(&program, &cost, &duals), exact_bound(&program, &cost, &duals));
+            n_above += usize::from(BigRational::from_float(certified).unwrap() > exact);
+            // What rounding costs, in units of the size of the terms that are added up.
+            let size = program.n_rows() as f64 * 1e9 + 1e6;
+            let gap = (exact - BigRational::from_float(certified).unwrap()).to_f64().unwrap();
+            worst = worst.max(gap / size);
+        }
+        assert_eq!(n_above, 0, "certified bounds above the exact one");
+        assert!(worst < 1e-14, "{worst}");
     }
 
     #[test]
