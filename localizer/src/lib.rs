@@ -24,6 +24,7 @@
 //! | [`markers`], [`map`] | what is known of the building: printed markers, and the [`Map`] with tiles, walls and markers |
 //! | [`reading`] | the sensor readings that the localizer is given: [`Reading`] |
 //! | [`motion`] | an enclosure of the robot's motion from wheels, flow sensor and gyroscope |
+//! | [`graph`] | linear rows that relate poses, landmarks and constants, and keep what boxes lose |
 //! | [`vision`] | from an image to features, without poses or maps |
 //! | [`calibration`] | what is measured before a robot drives |
 //! | [`method`] | what every method offers: [`Method`], which makes a [`Constraint`] of a reading, with [`Claim`]s and [`Assumption`]s |
@@ -41,6 +42,7 @@ pub mod markers;
 pub mod map;
 pub mod reading;
 pub mod motion;
+pub mod graph;
 pub mod vision;
 pub mod calibration;
 pub mod quota;

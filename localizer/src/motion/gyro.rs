@@ -10,6 +10,8 @@ use interval::Interval;
 
 use crate::robot::{GyroModel, Reach, WheelModel};
 
+use super::GyroTurn;
+
 /// Recent turn rates read from a gyroscope.
 #[derive(Clone, Debug)]
 pub struct GyroHistory {
@@ -84,6 +86,44 @@ impl GyroHistory {
         Walk::new(self, from_s, change_rad_per_s2).sums_to(to_s)
     }
 
+    /// What the gyroscope tells of the turn from `from_s` to `to_s`, without its bias and scale; `None` before the first reading has arrived.
+    pub(super) fn turn_read(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<GyroTurn> {
+        let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
+        let bend_rad = sums.bend_rad * self.model.scale.magnitude();
+        let summed = sums.summed(&self.model).inflate(bend_rad);
+        Some(GyroTurn {
+            by_reading_rad: sums.by_reading(&self.model).inflate(bend_rad),
+            by_span_rad: sums.by_span(&self.model).inflate(bend_rad),
+            summed_rad: summed,
+        })
+    }
+
+    /// Nominal turns from each stamp to the next by the gyroscope, with bounds on their errors; `None` before the first reading has arrived.
+    pub(super) fn turn_steps(&self, stamps_s: &[f64], change_rad_per_s2: f64) -> Option<Vec<TurnStep>> {
+        let model = &self.model;
+        let (bias, scale) = (model.bias_rad_per_s, model.scale);
+        let (bias_off, run_bias_off) =
+            ((bias - bias.mid()).magnitude(), (self.run_bias_rad_per_s - bias.mid()).magnitude());
+        let inverse_off = (Interval::point(1.0) / scale - 1.0 / scale.mid()).magnitude();
+        let mut walk = Walk::new(self, *stamps_s.first()?, change_rad_per_s2);
+        let (mut before, mut by_scale_rad, mut steps) = (Sums::default(), 0.0, Vec::new());
+        for &stamp_s in &stamps_s[1..] {
+            let sums = walk.sums_to(stamp_s)?;
+            let lasts_s = sums.lasts_s - before.lasts_s;
+            let turned = sums.read_rad - before.read_rad - bias.mid() * lasts_s;
+            by_scale_rad += turned.abs() * inverse_off;
+            let by_span = sums.by_span(model).width() * 0.5 + run_bias_off * sums.lasts_s;
+            steps.push(TurnStep {
+                turn_rad: turned / scale.mid(),
+                error_rad: (model.noise_rad_per_s + bias_off) * lasts_s.abs() / scale.lo() + turned.abs() * inverse_off,
+                bend_rad: sums.bend_rad,
+                span_error_rad: by_span / scale.lo() + by_scale_rad,
+            });
+            before = sums;
+        }
+        Some(steps)
+    }
+
     /// Turns by the gyroscope from `from_s` to one later stamp after the other, each as [`turn`](Self::turn) gives it, in one pass over the
     /// readings.
     pub fn turns_from(&self, from_s: f64, change_rad_per_s2: f64) -> TurnsFrom<'_> {
@@ -98,6 +138,19 @@ impl GyroHistory {
         }
         self.model.scale = scale;
     }
+}
+
+/// Nominal turn by the gyroscope from one stamp of a span to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TurnStep {
+    pub(super) turn_rad: f64,
+    /// Greatest error of the turn by noise, bias and scale. The errors of steps add up.
+    pub(super) error_rad: f64,
+    /// Greatest error of the turn from the first stamp of the span to this one where readings count only in part or are missing.
+    pub(super) bend_rad: f64,
+    /// Greatest error of the turn from the first stamp of the span to this one, without `bend_rad`, by the declared bound `gyro.angle`. Infinite where
+    /// that bound is not declared.
+    pub(super) span_error_rad: f64,
 }
 
 /// Turns by the gyroscope that begin at the same stamp; see [`GyroHistory::turns_from`].
@@ -231,6 +284,23 @@ impl Sums {
         self.within(model.noise_rad_per_s * self.lasts_s)
     }
 
+    /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run, but for the accumulated angle error at the end of the span less
+    /// that at its start.
+    fn summed(&self, model: &GyroModel) -> Interval {
+        if !model.bounds_angle() {
+            return Interval::ENTIRE;
+        }
+        let gaps_rad =
+            self.n_runs.saturating_sub(1) as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.beside_s;
+        self.within(gaps_rad + self.by_one_rad(model))
+    }
+
+    /// Bound on the noise and the bias's departure, reading by reading, in time that no reading covers and for a reading at either end that lies only
+    /// partly in the span.
+    fn by_one_rad(&self, model: &GyroModel) -> f64 {
+        (model.noise_rad_per_s + model.bias_rad_per_s.width()) * (self.beside_s + 2.0 * model.period_s)
+    }
+
     /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run. In each stretch of the span that readings cover without a gap,
     /// noise and the bias's departure from that of the whole run are bounded together. They are bounded reading by reading in time that no reading
     /// covers, and for a reading at either end that lies only partly in the span.
@@ -238,9 +308,8 @@ impl Sums {
         if !model.bounds_angle() {
             return Interval::ENTIRE;
         }
-        let one_rad_per_s = model.noise_rad_per_s + model.bias_rad_per_s.width();
-        let by_one_rad = one_rad_per_s * (self.beside_s + 2.0 * model.period_s);
-        self.within(self.n_runs as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s + by_one_rad)
+        let by_span_rad = self.n_runs as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s;
+        self.within(by_span_rad + self.by_one_rad(model))
     }
 }
 

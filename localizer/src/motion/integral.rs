@@ -50,6 +50,11 @@ impl WheelIntegral {
         self.start.time_s
     }
 
+    /// Greatest total turning since the start: a bound on ∫ |dφ|.
+    pub(super) fn turning_rad(&self) -> f64 {
+        self.turning_rad
+    }
+
     /// Carries the integral on to the next sample, which must be later than the latest one; a sample with the same stamp changes nothing.
     ///
     /// `turn` is the turn since the start as another sensor encloses it. If it has nothing in common with the wheels' turn, the turn becomes empty.
@@ -114,7 +119,7 @@ impl WheelIntegral {
 
     /// Bound on the error of a wheel's travel since the start: the quantisation once, slip in proportion to the rolled distance, and the constant
     /// part (floor) of the declared slip bound once for each time window of the length for which that bound is declared.
-    fn travel_error(&self, wheel: usize, wheels: &WheelModel) -> f64 {
+    pub(super) fn travel_error(&self, wheel: usize, wheels: &WheelModel) -> f64 {
         let per_tick_m = wheels.metres_per_tick(wheel).hi();
         let counts = 1.0 + self.start.ticks_error + self.latest.ticks_error;
         let rolled_m = (self.path_ticks[wheel] + counts) * per_tick_m;
@@ -129,6 +134,27 @@ impl WheelIntegral {
         (wheels.side_slip_ratio * rolled_m + self.windows(wheels) * wheels.side_slip_floor_m) * ABOVE
     }
 
+    /// Enclosure of the true travel of the axle's middle since the start.
+    pub(super) fn travel_of_middle(&self, wheels: &WheelModel) -> Interval {
+        (self.travel(0, wheels) + self.travel(1, wheels)) * 0.5
+    }
+
+    /// Bounds that hold at every instant since the start: on how far the travel of the axle's middle departs from that by the ticks and the wheels'
+    /// nominal radii, and on its side slip.
+    pub(super) fn errors_of_middle(&self, wheels: &WheelModel) -> (f64, f64) {
+        let by_radius_m = |wheel: usize| 0.5 * wheels.metres_per_tick(wheel).width() * self.path_ticks[wheel];
+        let travel_m = (0..2).map(|wheel| 0.5 * (by_radius_m(wheel) + self.travel_error(wheel, wheels))).sum::<f64>();
+        (travel_m * ABOVE, self.side_slip(wheels))
+    }
+
+    /// Greatest error of the turn by the ticks and the wheels' nominal dimensions, over any part of the time since the start.
+    pub(super) fn greatest_turn_error(&self, wheels: &WheelModel) -> f64 {
+        let track_m = wheels.track_m;
+        let by_travel = 2.0 * self.errors_of_middle(wheels).0 / track_m.lo();
+        let path_m: f64 = (0..2).map(|wheel| self.path_ticks[wheel] * wheels.metres_per_tick(wheel).hi()).sum();
+        (by_travel + path_m * (1.0 / track_m.lo() - 1.0 / track_m.hi())) * ABOVE
+    }
+
     /// Number of time windows, of the length for which the slip bounds are declared, that have begun since the integral's start.
     fn windows(&self, wheels: &WheelModel) -> f64 {
         // The quotient of time and window length is lowered by 10⁻⁶, so that a time of 0.2 s, which is inexact in binary, is one window of 0.2 s,
@@ -137,7 +163,7 @@ impl WheelIntegral {
     }
 
     /// Turn in one step alone, with the slip of that step and with counts that are off by up to `counts`.
-    fn step_turn(&self, delta: [f64; 2], counts: f64, wheels: &WheelModel) -> Interval {
+    pub(super) fn step_turn(&self, delta: [f64; 2], counts: f64, wheels: &WheelModel) -> Interval {
         let travel = [0, 1].map(|wheel| {
             let per_tick = wheels.metres_per_tick(wheel);
             let rolled_m = (delta[wheel].abs() + counts) * per_tick.hi();
@@ -153,7 +179,7 @@ const ABOVE: f64 = 1.0 + 1e-12;
 
 /// Bound on |∫ (cos φ, sin φ) dS − chord| over one step, when speeds and turn rates change by at most their acceleration limits a and α:
 /// |D|·α·T²/8 + a·|ω|·T³/8, with the distance D, the turn rate ω and the duration T, for counts that are off by up to `counts`.
-fn midpoint_remainder(
+pub(super) fn midpoint_remainder(
     delta: [f64; 2],
     counts: f64,
     turn_rad: f64,

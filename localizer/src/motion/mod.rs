@@ -12,6 +12,7 @@ mod integral;
 mod odometry;
 mod polygon;
 mod slip_excess;
+mod way;
 
 use std::{borrow::Cow, collections::VecDeque};
 
@@ -29,6 +30,7 @@ pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 pub use slip_excess::SlipExcess;
+pub use way::{GyroTurn, Way};
 
 /// Longest time after the latest wheel reading for which motion is extrapolated from the readings. Beyond it the extrapolation's error, which
 /// grows with the square of time, exceeds the distance at greatest speed, which grows in proportion to time.

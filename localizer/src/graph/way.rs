@@ -1,0 +1,223 @@
+//! Rows of the robot's way from one key frame to the next.
+//!
+//! With the mid heading β = (θₐ + θ_b)/2, β = β₀ + δ, and the displacement M = P_b − Pₐ,
+//!
+//! e₀·M = along·cos δ − lateral·sin δ,   l₀·M = lateral·cos δ + along·sin δ,
+//!
+//! with e₀ and l₀ the unit vectors along β₀ and to the left of it. A wheel's travel T is that of the axle's middle plus or minus half the track times
+//! the turn, and the travel of the middle is along + shortening ([`Way`]).
+
+use interval::Interval;
+
+use crate::motion::Way;
+
+use super::{
+    Constant, Domain, Row, Variable,
+    row::{axes, cosine_rest, dot, sine_rest},
+};
+
+/// The rows of the way from key frame number `from` to number `to`: one for each wheel, one across the way, and those of the gyroscope.
+pub fn way_rows(way: &Way, from: usize, to: usize, domain: &Domain) -> Vec<Row> {
+    let mut rows = vec![wheel_row(way, 0, [from, to], domain), wheel_row(way, 1, [from, to], domain)];
+    rows.push(lateral_row(way, [from, to], domain));
+    rows.extend(gyro_rows(way, [from, to], domain));
+    rows
+}
+
+/// What the rows of a displacement have in common.
+struct Displacement {
+    /// Unit vectors along the reference of the mid heading, and to the left of it.
+    along: [Interval; 2],
+    left: [Interval; 2],
+    /// Displacement between the reference positions.
+    at_reference: [Interval; 2],
+    /// Possible deviation of the mid heading.
+    delta: Interval,
+}
+
+impl Displacement {
+    fn new([from, to]: [usize; 2], domain: &Domain) -> Displacement {
+        let reference = |frame, axis| Interval::point(domain.reference(Variable::Pose(frame, axis)));
+        let deviation = |frame| domain.deviation(Variable::Pose(frame, 2));
+        let [along, left] = axes((reference(from, 2) + reference(to, 2)) * 0.5);
+        Displacement {
+            along,
+            left,
+            at_reference: [0, 1].map(|axis| reference(to, axis) - reference(from, axis)),
+            delta: (deviation(from) + deviation(to)) * 0.5,
+        }
+    }
+}
+
+/// Terms of direction·M and of `by_delta` times the deviation of the mid heading.
+fn displacement_terms(
+    [from, to]: [usize; 2],
+    direction: [Interval; 2],
+    by_delta: Interval,
+) -> Vec<(Variable, Interval)> {
+    let mut terms = Vec::new();
+    for (axis, side) in direction.into_iter().enumerate() {
+        terms.push((Variable::Pose(to, axis), side));
+        terms.push((Variable::Pose(from, axis), -side));
+    }
+    terms.push((Variable::Pose(to, 2), by_delta * 0.5));
+    terms.push((Variable::Pose(from, 2), by_delta * 0.5));
+    terms
+}
+
+/// along ± W·turn/2 − T = −shortening, for the right (+) or the left (−) wheel.
+fn wheel_row(way: &Way, wheel: usize, frames: [usize; 2], domain: &Domain) -> Row {
+    let moved = Displacement::new(frames, domain);
+    let [from, to] = frames;
+    let lateral_0 = Interval::point(way.lateral_m.mid());
+    let mut terms = displacement_terms(frames, moved.along, lateral_0);
+    // along = e₀·M + along·(1 − cos δ) + lateral·sin δ, where all but e₀·M + lateral₀·δ goes to the sides.
+    let mut sides = -dot(moved.along, moved.at_reference);
+    sides -= way.along_m * cosine_rest(moved.delta);
+    sides -= (way.lateral_m - lateral_0) * moved.delta.sin() + lateral_0 * sine_rest(moved.delta);
+    sides -= way.shortening_m;
+
+    let sign = if wheel == 0 { -0.5 } else { 0.5 };
+    let track = Variable::Constant(Constant::Track);
+    let track_0 = Interval::point(domain.reference(track));
+    let heading = |frame| Variable::Pose(frame, 2);
+    let turn_0 = Interval::point(domain.reference(heading(to))) - domain.reference(heading(from));
+    let turn_off = domain.deviation(heading(to)) - domain.deviation(heading(from));
+    terms.push((heading(to), track_0 * sign));
+    terms.push((heading(from), -track_0 * sign));
+    terms.push((track, turn_0 * sign));
+    sides -= (track_0 * turn_0 + domain.deviation(track) * turn_off) * sign;
+
+    let per_tick = Variable::Constant(Constant::MetresPerTick(wheel));
+    let ticks = Interval::point(way.ticks[wheel]);
+    terms.push((per_tick, -ticks));
+    sides += ticks * domain.reference(per_tick) + Interval::centred(0.0, way.travel_error_m[wheel]);
+    Row::new(domain, &terms, sides)
+}
+
+/// l₀·M − along₀·δ = lateral·cos δ + along·sin δ − along₀·δ.
+fn lateral_row(way: &Way, frames: [usize; 2], domain: &Domain) -> Row {
+    let moved = Displacement::new(frames, domain);
+    let along_0 = Interval::point(way.along_m.mid());
+    let terms = displacement_terms(frames, moved.left, -along_0);
+    let mut sides = -dot(moved.left, moved.at_reference);
+    sides += way.lateral_m * (Interval::point(1.0) - cosine_rest(moved.delta));
+    sides += (way.along_m - along_0) * moved.delta.sin() + along_0 * sine_rest(moved.delta);
+    Row::new(domain, &terms, sides)
+}
+
+/// scale·turn + bias·span is within what the gyroscope read: once with the mean bias of this way and the noise of each reading; where the bound
+/// `gyro.angle` is declared, also with the bias of the whole run and the accumulated angle error at both ends.
+fn gyro_rows(way: &Way, [from, to]: [usize; 2], domain: &Domain) -> Vec<Row> {
+    let Some(read) = way.gyro else { return Vec::new() };
+    let (scale, heading) = (Variable::Constant(Constant::GyroScale), |frame| Variable::Pose(frame, 2));
+    let scale_0 = Interval::point(domain.reference(scale));
+    let turn_0 = Interval::point(domain.reference(heading(to))) - domain.reference(heading(from));
+    let turn_off = domain.deviation(heading(to)) - domain.deviation(heading(from));
+    let row = |bias: Variable, more: &[(Variable, Interval)], sides: Interval| {
+        let mut terms = vec![
+            (heading(to), scale_0),
+            (heading(from), -scale_0),
+            (scale, turn_0),
+            (bias, Interval::point(way.span_s)),
+        ];
+        terms.extend_from_slice(more);
+        let at_reference = scale_0 * turn_0 + Interval::point(domain.reference(bias)) * way.span_s;
+        Row::new(domain, &terms, sides - at_reference - domain.deviation(scale) * turn_off)
+    };
+    let run_bias = Variable::Constant(Constant::GyroBias);
+    let own_bias = Variable::GyroBias(to);
+    let bias = if domain.value(own_bias).is_empty() { run_bias } else { own_bias };
+    let mut rows = vec![row(bias, &[], read.by_reading_rad)];
+    let angle = [from, to].map(Variable::GyroAngle);
+    if angle.iter().all(|&at| !domain.value(at).is_empty()) {
+        let one = Interval::point(1.0);
+        rows.push(row(run_bias, &[], read.by_span_rad));
+        rows.push(row(run_bias, &[(angle[0], -one), (angle[1], one)], read.summed_rad));
+    }
+    rows
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::{
+        graph::trial::{Draw, SLIP, drive, gyro, reach, wheels},
+        motion::WheelHistory,
+    };
+
+    #[test]
+    fn the_true_way_satisfies_every_row_at_the_corners_of_all_bounds() {
+        let mut draw = Draw::new(20_261_124);
+        for round in 0..600 {
+            let has_gyro = round % 3 > 0;
+            let has_angle = round % 3 == 2;
+            let drive = drive(&mut draw, has_angle);
+            let mut history = WheelHistory::new(60.0);
+            if has_gyro {
+                history = history.with_gyro(gyro(has_angle));
+            }
+            for (time_s, ticks, rate) in &drive.readings {
+                history.push(*time_s, *ticks);
+                if has_gyro {
+                    history.push_rate(*time_s, *rate);
+                }
+            }
+            let way = history.way(drive.span_s[0], drive.span_s[1], &wheels(), &reach()).unwrap();
+            let mut domain = Domain::default();
+            let mut truth = BTreeMap::new();
+            let mut put = |variable, value: Interval, at: f64| {
+                assert!(value.contains(at), "{variable:?}: {at} is not in {value}");
+                domain.put(variable, value);
+                truth.insert(variable, at);
+            };
+            for frame in 0..2 {
+                for axis in 0..3 {
+                    let half = draw.size(1e-4, 0.2);
+                    let off = draw.within(Interval::centred(0.0, half));
+                    let at = drive.poses[frame][axis];
+                    put(Variable::Pose(frame, axis), Interval::centred(at + off, half * (1.0 + 1e-9)), at);
+                }
+                put(Variable::GyroAngle(frame), Interval::centred(0.0, drive.angle_half_rad), drive.angle_rad[frame]);
+            }
+            let constant = Variable::Constant;
+            for wheel in 0..2 {
+                let per_tick = constant(Constant::MetresPerTick(wheel));
+                put(per_tick, wheels().metres_per_tick(wheel), drive.metres_per_tick[wheel]);
+            }
+            put(constant(Constant::Track), wheels().track_m, drive.track_m);
+            put(constant(Constant::GyroScale), gyro(has_angle).scale, drive.scale);
+            put(constant(Constant::GyroBias), gyro(has_angle).bias_rad_per_s, drive.bias);
+            for (idx, row) in way_rows(&way, 0, 1, &domain).iter().enumerate() {
+                let value = row.value_at(|variable| truth[&variable] - domain.reference(variable));
+                // The true drive is itself integrated in steps, which makes errors of some 10⁻⁸ m.
+                assert!(row.sides.inflate(1e-7).contains(value), "round {round}, row {idx}: {value}, {}", row.sides);
+            }
+        }
+    }
+
+    #[test]
+    fn a_straight_way_is_known_to_slip_and_quantisation() {
+        // 2 s at 0.2 m/s with two equal wheels and a gyroscope: each wheel's row is hardly wider than slip and quantisation make it.
+        let mut history = WheelHistory::new(60.0).with_gyro(gyro(false));
+        let per_tick_m = wheels().metres_per_tick(0).mid();
+        for step in 0..=200_u32 {
+            let ticks = (0.2 * 0.01 * f64::from(step) / per_tick_m).floor() as i64;
+            history.push(0.01 * f64::from(step), [ticks; 2]);
+            history.push_rate(0.01 * f64::from(step), 0.001);
+        }
+        let way = history.way(0.0, 2.0, &wheels(), &reach()).unwrap();
+        // Ten windows of 0.2 s, a slip ratio of 2 % of 0.4 m, and a count.
+        let slip_m = 10.0 * wheels().slip_floor_m + SLIP * (0.4 + per_tick_m) + per_tick_m;
+        (0..2).for_each(|wheel| assert!((way.travel_error_m[wheel] - slip_m).abs() < 1e-4, "{way:?}"));
+        assert!(way.shortening_m.width() < 0.3 * slip_m, "{way:?}");
+        // Across the way: the side slip on either side, and 2 s of the gyroscope's noise and bias, each of which turns half of the way on average by
+        // half of the whole error, 0.4 m · (4 + 2) mrad/s · 2 s / 4.
+        let side_m = SLIP * (0.4 + 2.0 * per_tick_m) + 10.0 * wheels().side_slip_floor_m;
+        let across_m = way.lateral_m.width() / 2.0;
+        assert!((side_m + 0.0012..1.15 * (side_m + 0.0012)).contains(&across_m), "{across_m} of {side_m}: {way:?}");
+    }
+}
