@@ -67,3 +67,39 @@ pub(super) fn axes(direction: Interval) -> [[Interval; 2]; 2] {
 pub(super) fn dot(a: [Interval; 2], b: [Interval; 2]) -> Interval {
     a[0] * b[0] + a[1] * b[1]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Constant;
+
+    #[test]
+    fn an_uncertain_coefficient_widens_the_sides() {
+        let (track, yaw) = (Variable::Constant(Constant::Track), Variable::Constant(Constant::RangeYaw));
+        let mut domain = Domain::default();
+        domain.put(track, Interval::new(9.5, 10.5));
+        domain.put(yaw, Interval::point(3.0));
+        // Some a in [1, 3] times a deviation of at most 1/2 is 0: twice the deviation is then at most 1/2 away from 0. The yaw has no deviation.
+        let row = Row::new(&domain, &[(track, Interval::new(1.0, 3.0)), (yaw, Interval::point(7.0))], Interval::ZERO);
+        assert_eq!(row.terms, [(track, 2.0)]);
+        assert!(row.sides.contains(-0.5) && row.sides.contains(0.5) && row.sides.width() < 1.0 + 1e-9, "{}", row.sides);
+        // Coefficients of one quantity add up.
+        let twice =
+            Row::new(&domain, &[(track, Interval::point(1.0)), (track, Interval::new(1.0, 2.0))], Interval::ZERO);
+        assert_eq!(twice.terms, [(track, 2.5)]);
+        assert!(twice.sides.contains(0.25) && twice.sides.width() < 0.5 + 1e-9, "{}", twice.sides);
+    }
+
+    #[test]
+    fn the_rests_of_sine_and_cosine_are_enclosed_closely() {
+        for most in [1e-3, 0.02, 0.5_f64] {
+            let (sine, cosine) = (sine_rest(Interval::centred(0.0, most)), cosine_rest(Interval::centred(0.0, most)));
+            for share in [-1.0, -0.3, 0.0, 0.7, 1.0] {
+                let delta: f64 = share * most;
+                assert!(sine.contains(delta.sin() - delta) && cosine.contains(1.0 - delta.cos()), "{delta}");
+            }
+            assert!(sine.magnitude() < 1.02 * (most - most.sin()) + 1e-15, "{sine}");
+            assert!(cosine.magnitude() < 1.03 * (1.0 - most.cos()) + 1e-15, "{cosine}");
+        }
+    }
+}
