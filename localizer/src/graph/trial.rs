@@ -125,6 +125,8 @@ pub(super) fn drive(draw: &mut Draw, has_angle: bool) -> Drive {
     let (scale, bias) = (draw.within(gyro(has_angle).scale), draw.within(gyro(has_angle).bias_rad_per_s));
     let slip = [0, 1].map(|_| draw.within(Interval::centred(0.0, SLIP)));
     let side = draw.within(Interval::centred(0.0, SLIP));
+    // Part of the accumulated angle error that grows with time.
+    let drift_rad_per_s = draw.within(Interval::centred(0.0, ANGLE_RAD[1]));
     let n_steps = 100 + (draw.unit() * 300.0) as u32;
     // Key frames on a reading or between two.
     let between = |draw: &mut Draw| if draw.unit() < 0.5 { 0 } else { (draw.unit() * 100.0) as u32 };
@@ -173,7 +175,7 @@ pub(super) fn drive(draw: &mut Draw, has_angle: bool) -> Drive {
                 let next = (summed_rad + noise * 0.01).clamp(-half, half);
                 let kept = (next - summed_rad) / 0.01;
                 summed_rad = next;
-                kept
+                kept + drift_rad_per_s
             } else {
                 noise
             };

@@ -284,14 +284,14 @@ impl Sums {
         self.within(model.noise_rad_per_s * self.lasts_s)
     }
 
-    /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run, but for the accumulated angle error at the end of the span less
-    /// that at its start.
+    /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run, but for the bounded part of the accumulated angle error at the
+    /// end of the span less that at its start. The part that grows with time is within the enclosure.
     fn summed(&self, model: &GyroModel) -> Interval {
         if !model.bounds_angle() {
             return Interval::ENTIRE;
         }
         let gaps_rad =
-            self.n_runs.saturating_sub(1) as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.beside_s;
+            self.n_runs.saturating_sub(1) as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s;
         self.within(gaps_rad + self.by_one_rad(model))
     }
 
