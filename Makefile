@@ -40,6 +40,7 @@ lint:
 
 bench: driver
 	cargo bench --profile dev -p wherein-interval --bench interval
+	cargo bench --profile dev -p wherein-interval --bench linear_program
 	cargo bench --profile dev -p wherein-localizer --bench rigid_motion
 	cargo bench --profile dev -p wherein-tests --bench speed
 
@@ -71,6 +72,7 @@ experiments: driver build allan
 falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
+	WHEREIN_PROGRAMS=100000 cargo test -p wherein-interval --lib -- --nocapture solver
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
 
 # The default seed of a search is the time in seconds since 1970, which no earlier search had. make prints the command, so that the same

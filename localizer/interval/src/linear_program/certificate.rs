@@ -39,8 +39,8 @@ pub fn certified_maximum(program: &LinearProgram, cost: &Terms, duals: &[f64]) -
 /// A lower bound of c·x over all points of the box that satisfy the rows of all groups but at most `n_wrong`, whichever these are, for any dual
 /// vector as in [`certified_minimum`].
 ///
-/// `group_of` gives the group of a row; a row without a group is never wrong. Where each row is a group of its own, as with the function `Some`, up to
-/// `n_wrong` rows may be wrong.
+/// `group_of` gives the group of a row; a row without a group is never wrong. Where each row is a group of its own, as with the function `Some`, up
+/// to `n_wrong` rows may be wrong.
 ///
 /// **Rigorous.** Let x be such a point and G the rows of the wrong groups. As above, c·x = Σᵢ yᵢ(Ax)ᵢ + r·x. For i ∉ G the term yᵢ(Ax)ᵢ is at
 /// least min(yᵢ·[loᵢ, hiᵢ]). For i ∈ G it is at least min(yᵢ·rangeᵢ), where rangeᵢ are the values of row i over the whole box. Hence

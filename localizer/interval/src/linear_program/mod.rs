@@ -26,7 +26,10 @@
 //! ```
 
 mod certificate;
+mod factor;
 mod program;
+mod solver;
 
 pub use certificate::{certified_maximum, certified_minimum, certified_minimum_despite, contradicting_rows};
 pub use program::{LinearProgram, ProgramError, Terms};
+pub use solver::Solver;

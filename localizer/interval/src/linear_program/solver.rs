@@ -1,0 +1,479 @@
+//! An interior-point solver, whose duals make certificates.
+//!
+//! **Problem.** Each row i gets a slack sᵢ = aᵢ·x, so that both x and s are in boxes. Variables are scaled to [−1, 1], rows then by their largest
+//! coefficient. Where a row's side is open, or beyond all values of the row over the box, the end of these values takes its place; its dual is then
+//! near 0.
+//!
+//! **Step.** With multipliers z of the bounds of x, and w of those of s, the dual of a row is y = w_lower − w_upper. The products of all gaps and
+//! multipliers are driven to a common value μ → 0 by Newton steps, with a predictor and a corrector. A step solves (Dx + AᵀDsA) Δx = …, with diagonal
+//! Dx and Ds: as many unknowns as variables, in the structure of the rows.
+//!
+//! The dual with the best bound so far is kept, so that the solver can be stopped after any step.
+//!
+//! Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIAM Journal on Optimization 2 (1992); S. J. Wright,
+//! "Primal-Dual Interior-Point Methods", SIAM 1997, chapter 10.
+
+use super::{
+    factor::Factor,
+    program::{LinearProgram, Terms},
+};
+
+/// Greatest number of steps; about 12 are usual.
+const MOST_STEPS: usize = 40;
+/// Gap between the values of the primal and the dual problem at which the solver stops, in half widths of the cost's largest term.
+const GAP: f64 = 1e-7;
+/// Share of the way to the nearest bound that a step goes at most.
+const SHARE: f64 = 0.995;
+/// Least half width of a row's sides after scaling: an equation has no interior otherwise.
+const LEAST_HALF: f64 = 1e-9;
+
+/// Solves linear programs with the same variables and rows and different costs.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    /// Middle and half width of each variable.
+    scales: Vec<[f64; 2]>,
+    /// Rows that are not satisfied everywhere in the box, scaled.
+    rows: Vec<ScaledRow>,
+    n_rows: usize,
+    factor: Factor,
+    /// Places of the diagonal in the factor's matrix.
+    diagonal: Vec<usize>,
+    most_steps: usize,
+}
+
+#[derive(Clone, Debug)]
+struct ScaledRow {
+    row: usize,
+    variables: Vec<usize>,
+    coefficients: Vec<f64>,
+    lo: f64,
+    hi: f64,
+    /// By what the row was divided.
+    divisor: f64,
+    /// For each pair of members, the second not after the first: the place in the factor's matrix.
+    positions: Vec<usize>,
+}
+
+impl Solver {
+    /// Prepares to solve programs with the variables and rows of the one given.
+    pub fn new(program: &LinearProgram) -> Solver {
+        let scales: Vec<[f64; 2]> =
+            program.variables().iter().map(|values| [values.mid(), 0.5 * values.width()]).collect();
+        let mut rows: Vec<ScaledRow> =
+            (0..program.n_rows()).filter_map(|row| ScaledRow::new(program, row, &scales)).collect();
+        let factor = Factor::new(scales.len(), rows.iter().map(|row| row.variables.as_slice()));
+        for row in &mut rows {
+            let members = &row.variables;
+            row.positions = members
+                .iter()
+                .enumerate()
+                .flat_map(|(at, &a)| members[..=at].iter().map(move |&b| (a, b)))
+                .map(|(a, b)| factor.position(a, b))
+                .collect();
+        }
+        let diagonal = (0..scales.len()).map(|at| factor.position(at, at)).collect();
+        Solver { scales, rows, n_rows: program.n_rows(), factor, diagonal, most_steps: MOST_STEPS }
+    }
+
+    /// The same solver, stopped after the given number of steps.
+    pub fn stopped_after(self, most_steps: usize) -> Solver {
+        Solver { most_steps, ..self }
+    }
+
+    /// Duals of the program that minimises a cost, one for each row; for [`certified_minimum`](super::certified_minimum). Where no point satisfies
+    /// all rows, they tend to certify that.
+    pub fn minimise(&mut self, cost: &Terms) -> Vec<f64> {
+        let mut scaled = vec![0.0; self.scales.len()];
+        for &(variable, coefficient) in cost {
+            scaled[variable] += coefficient * self.scales[variable][1];
+        }
+        let largest = scaled.iter().fold(0.0, |largest: f64, one| largest.max(one.abs()));
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        scaled.iter_mut().for_each(|one| *one /= unit);
+        let mut state = State::new(self, scaled);
+        for _ in 0..self.most_steps {
+            if state.is_done(self) || !state.step(self) {
+                break;
+            }
+        }
+        let mut duals = vec![0.0; self.n_rows];
+        self.rows.iter().zip(&state.best.1).for_each(|(row, dual)| duals[row.row] = dual * unit / row.divisor);
+        duals
+    }
+}
+
+impl ScaledRow {
+    /// The row in scaled variables; `None` for one that every point of the box satisfies.
+    fn new(program: &LinearProgram, row: usize, scales: &[[f64; 2]]) -> Option<ScaledRow> {
+        let (mut variables, mut coefficients) = (Vec::<usize>::new(), Vec::<f64>::new());
+        let mut at_middle = 0.0;
+        for &(variable, coefficient) in program.terms(row) {
+            let [middle, half] = scales[variable];
+            at_middle += coefficient * middle;
+            let scaled = coefficient * half;
+            match variables.iter().position(|&other| other == variable) {
+                Some(at) => coefficients[at] += scaled,
+                None if scaled != 0.0 => {
+                    variables.push(variable);
+                    coefficients.push(scaled);
+                }
+                None => {}
+            }
+        }
+        let divisor = coefficients.iter().fold(0.0, |largest: f64, one| largest.max(one.abs()));
+        if divisor == 0.0 {
+            return None;
+        }
+        coefficients.iter_mut().for_each(|one| *one /= divisor);
+        let most: f64 = coefficients.iter().map(|one| one.abs()).sum();
+        let [lo, hi] = [program.sides(row).lo(), program.sides(row).hi()].map(|side| (side - at_middle) / divisor);
+        if lo <= -most && hi >= most {
+            return None;
+        }
+        let (mut lo, mut hi) = (lo.max(-most - 1.0), hi.min(most + 1.0));
+        if hi - lo < 2.0 * LEAST_HALF {
+            // An equation, or a row that no point of the box satisfies.
+            let middle = if lo > most || hi < -most { if lo > most { lo } else { hi } } else { 0.5 * (lo + hi) };
+            (lo, hi) = (middle - LEAST_HALF, middle + LEAST_HALF);
+        }
+        Some(ScaledRow { row, variables, coefficients, lo, hi, divisor, positions: Vec::new() })
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        self.variables.iter().zip(&self.coefficients).map(|(&variable, coefficient)| coefficient * x[variable]).sum()
+    }
+
+    /// Adds a multiple of the row to a vector of the variables' length.
+    fn add_to(&self, vector: &mut [f64], times: f64) {
+        for (&variable, coefficient) in self.variables.iter().zip(&self.coefficients) {
+            vector[variable] += coefficient * times;
+        }
+    }
+}
+
+/// A number between two bounds, with the multipliers of the bounds.
+#[derive(Clone, Copy, Debug)]
+struct Bounded {
+    value: f64,
+    lo: f64,
+    hi: f64,
+    /// Multipliers of the lower and of the upper bound.
+    multipliers: [f64; 2],
+}
+
+/// A step of a [`Bounded`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Move {
+    value: f64,
+    multipliers: [f64; 2],
+}
+
+impl Bounded {
+    fn gaps(&self) -> [f64; 2] {
+        [self.value - self.lo, self.hi - self.value]
+    }
+
+    fn complementarity(&self, step: &Move, [primal, dual]: [f64; 2]) -> f64 {
+        let [lower, upper] = self.gaps();
+        (lower + primal * step.value) * (self.multipliers[0] + dual * step.multipliers[0])
+            + (upper - primal * step.value) * (self.multipliers[1] + dual * step.multipliers[1])
+    }
+
+    /// Stiffness: the sum of multiplier/gap.
+    fn stiffness(&self) -> f64 {
+        let [lower, upper] = self.gaps();
+        self.multipliers[0] / lower + self.multipliers[1] / upper
+    }
+
+    /// The products of gap and multiplier that are still to be gained to reach `target`, after what a predictor's step makes of second order.
+    fn wanted(&self, target: f64, predictor: &Move) -> [f64; 2] {
+        let [lower, upper] = self.gaps();
+        [
+            target - lower * self.multipliers[0] - predictor.value * predictor.multipliers[0],
+            target - upper * self.multipliers[1] + predictor.value * predictor.multipliers[1],
+        ]
+    }
+
+    /// The force on the number by the products wanted.
+    fn force(&self, wanted: [f64; 2]) -> f64 {
+        let [lower, upper] = self.gaps();
+        wanted[0] / lower - wanted[1] / upper
+    }
+
+    /// The whole step, from that of the number.
+    fn moved(&self, value: f64, wanted: [f64; 2]) -> Move {
+        let [lower, upper] = self.gaps();
+        let multipliers =
+            [(wanted[0] - self.multipliers[0] * value) / lower, (wanted[1] + self.multipliers[1] * value) / upper];
+        Move { value, multipliers }
+    }
+
+    /// The greatest parts of a step for which gaps and multipliers stay positive.
+    fn longest(&self, step: &Move) -> [f64; 2] {
+        let [lower, upper] = self.gaps();
+        let part = |left: f64, change: f64| if change < 0.0 { -left / change } else { f64::INFINITY };
+        let primal = part(lower, step.value).min(part(upper, -step.value));
+        let dual = part(self.multipliers[0], step.multipliers[0]).min(part(self.multipliers[1], step.multipliers[1]));
+        [primal, dual]
+    }
+
+    fn go(&mut self, step: &Move, [primal, dual]: [f64; 2]) {
+        self.value += primal * step.value;
+        (0..2).for_each(|side| self.multipliers[side] += dual * step.multipliers[side]);
+    }
+}
+
+/// An iterate of the solver.
+struct State {
+    cost: Vec<f64>,
+    x: Vec<Bounded>,
+    s: Vec<Bounded>,
+    y: Vec<f64>,
+    /// The best dual bound so far with its duals.
+    best: (f64, Vec<f64>),
+}
+
+/// A Newton step.
+struct Step {
+    x: Vec<Move>,
+    s: Vec<Move>,
+    y: Vec<f64>,
+}
+
+impl State {
+    /// The middle of all boxes.
+    fn new(solver: &Solver, cost: Vec<f64>) -> State {
+        let x = vec![Bounded { value: 0.0, lo: -1.0, hi: 1.0, multipliers: [1.0; 2] }; cost.len()];
+        let s = solver.rows.iter().map(|row| {
+            let middle = 0.5 * (row.lo + row.hi);
+            Bounded { value: middle, lo: row.lo, hi: row.hi, multipliers: [1.0; 2] }
+        });
+        let n_rows = solver.rows.len();
+        let best = (f64::NEG_INFINITY, vec![0.0; n_rows]);
+        State { cost, x, s: s.collect(), y: vec![0.0; n_rows], best }
+    }
+
+    /// Notes the bound that the present duals give, and tells whether the gap is closed.
+    fn is_done(&mut self, solver: &Solver) -> bool {
+        let mut reduced = self.cost.clone();
+        let mut bound = 0.0;
+        for (row, &dual) in solver.rows.iter().zip(&self.y) {
+            row.add_to(&mut reduced, -dual);
+            bound += dual * if dual > 0.0 { row.lo } else { row.hi };
+        }
+        bound -= reduced.iter().map(|one| one.abs()).sum::<f64>();
+        if bound > self.best.0 {
+            self.best = (bound, self.y.clone());
+        }
+        let value: f64 = self.cost.iter().zip(&self.x).map(|(cost, x)| cost * x.value).sum();
+        // A bound above all values of the cost certifies that there is no solution.
+        let most: f64 = self.cost.iter().map(|cost| cost.abs()).sum();
+        let is_feasible = self.residual(solver) < GAP;
+        (is_feasible && value - self.best.0 < GAP) || self.best.0 > most + 1.0
+    }
+
+    /// Greatest difference between a slack and its row's value.
+    fn residual(&self, solver: &Solver) -> f64 {
+        let x: Vec<f64> = self.x.iter().map(|x| x.value).collect();
+        let differences = solver.rows.iter().zip(&self.s).map(|(row, s)| (row.value(&x) - s.value).abs());
+        differences.fold(0.0, f64::max)
+    }
+
+    /// Mean product of gap and multiplier, after part of a step.
+    fn mean_product(&self, step: &Step, parts: [f64; 2]) -> f64 {
+        let both = self.x.iter().zip(&step.x).chain(self.s.iter().zip(&step.s));
+        let sum: f64 = both.map(|(one, step)| one.complementarity(step, parts)).sum();
+        sum / (2 * (self.x.len() + self.s.len())) as f64
+    }
+
+    /// One step with predictor and corrector. Returns whether it led on.
+    fn step(&mut self, solver: &mut Solver) -> bool {
+        let rest = Step {
+            x: vec![Move::default(); self.x.len()],
+            s: vec![Move::default(); self.s.len()],
+            y: vec![0.0; self.y.len()],
+        };
+        let product = self.mean_product(&rest, [0.0; 2]);
+        self.factorise(solver);
+        let predictor = self.newton(solver, 0.0, &rest);
+        let parts = self.longest(&predictor).map(|part| part.min(1.0));
+        let centring = (self.mean_product(&predictor, parts) / product).powi(3);
+        let step = self.newton(solver, centring * product, &predictor);
+        let parts = self.longest(&step).map(|part| (SHARE * part).min(1.0));
+        if !parts.iter().all(|part| *part > 1e-12) || !product.is_finite() {
+            return false;
+        }
+        self.x.iter_mut().zip(&step.x).for_each(|(one, step)| one.go(step, parts));
+        self.s.iter_mut().zip(&step.s).for_each(|(one, step)| one.go(step, parts));
+        self.y.iter_mut().zip(&step.y).for_each(|(one, step)| *one += parts[1] * step);
+        true
+    }
+
+    /// Computes Dx + AᵀDsA and its factors.
+    fn factorise(&self, solver: &mut Solver) {
+        let numbers = solver.factor.numbers();
+        numbers.fill(0.0);
+        for (&at, x) in solver.diagonal.iter().zip(&self.x) {
+            numbers[at] += x.stiffness();
+        }
+        for (row, s) in solver.rows.iter().zip(&self.s) {
+            let stiffness = s.stiffness();
+            let mut positions = row.positions.iter();
+            for (at, a) in row.coefficients.iter().enumerate() {
+                for (b, &position) in row.coefficients[..=at].iter().zip(&mut positions) {
+                    numbers[position] += stiffness * a * b;
+                }
+            }
+        }
+        solver.factor.factorise();
+    }
+
+    /// The step towards products `target`, with the second order of a predictor's step.
+    fn newton(&self, solver: &Solver, target: f64, predictor: &Step) -> Step {
+        let values: Vec<f64> = self.x.iter().map(|x| x.value).collect();
+        let wanted_x: Vec<[f64; 2]> =
+            self.x.iter().zip(&predictor.x).map(|(x, before)| x.wanted(target, before)).collect();
+        let wanted_s: Vec<[f64; 2]> =
+            self.s.iter().zip(&predictor.s).map(|(s, before)| s.wanted(target, before)).collect();
+        // Forces on x: those of its bounds, less the residual of the dual equation c − Aᵀy − z_lower + z_upper = 0.
+        let mut move_x: Vec<f64> = (0..self.x.len())
+            .map(|at| {
+                let x = &self.x[at];
+                x.force(wanted_x[at]) - self.cost[at] + x.multipliers[0] - x.multipliers[1]
+            })
+            .collect();
+        let mut lacks = Vec::with_capacity(self.s.len());
+        let mut forces = Vec::with_capacity(self.s.len());
+        for (at, row) in solver.rows.iter().enumerate() {
+            let s = &self.s[at];
+            let lack = s.value - row.value(&values);
+            let force = s.force(wanted_s[at]) - self.y[at] + s.multipliers[0] - s.multipliers[1];
+            row.add_to(&mut move_x, self.y[at] + force + s.stiffness() * lack);
+            lacks.push(lack);
+            forces.push(force);
+        }
+        solver.factor.solve(&mut move_x);
+        let mut step = Step { x: Vec::new(), s: Vec::with_capacity(lacks.len()), y: Vec::with_capacity(lacks.len()) };
+        for (at, row) in solver.rows.iter().enumerate() {
+            let s = &self.s[at];
+            let moved = row.value(&move_x) - lacks[at];
+            step.y.push(forces[at] - s.stiffness() * moved);
+            step.s.push(s.moved(moved, wanted_s[at]));
+        }
+        step.x =
+            self.x.iter().zip(&wanted_x).zip(&move_x).map(|((x, &wanted), &value)| x.moved(value, wanted)).collect();
+        step
+    }
+
+    /// The greatest parts of a step that leave gaps and multipliers positive.
+    fn longest(&self, step: &Step) -> [f64; 2] {
+        let both = self.x.iter().zip(&step.x).chain(self.s.iter().zip(&step.s));
+        both.map(|(one, step)| one.longest(step))
+            .fold([f64::INFINITY; 2], |least, parts| [least[0].min(parts[0]), least[1].min(parts[1])])
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::{
+        Interval,
+        linear_program::{certified_minimum, contradicting_rows},
+    };
+
+    struct Draw(u64);
+
+    impl Draw {
+        fn unit(&mut self) -> f64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        fn between(&mut self, lo: f64, hi: f64) -> f64 {
+            lo + (hi - lo) * self.unit()
+        }
+
+        fn below(&mut self, most: usize) -> usize {
+            (self.unit() * most as f64) as usize
+        }
+    }
+
+    /// A program with a planted solution: sizes from 10⁻³ to 10³, equations, redundant and repeated rows, open sides.
+    fn planted(draw: &mut Draw, n_variables: usize, n_rows: usize) -> (LinearProgram, Vec<f64>) {
+        let mut solution = Vec::new();
+        let boxes = (0..n_variables)
+            .map(|_| {
+                let (size, middle) = (10f64.powf(draw.between(-3.0, 1.0)), draw.between(-2.0, 2.0));
+                let values = Interval::new(middle - size * draw.unit(), middle + size * draw.unit());
+                solution.push(if draw.unit() < 0.3 { values.lo() } else { draw.between(values.lo(), values.hi()) });
+                values
+            })
+            .collect();
+        let mut program = LinearProgram::new(boxes).unwrap();
+        for _ in 0..n_rows {
+            let n_terms = 1 + draw.below(5);
+            let size = 10f64.powf(draw.between(-3.0, 3.0));
+            let terms: Vec<(usize, f64)> =
+                (0..n_terms).map(|_| (draw.below(n_variables), size * draw.between(-1.0, 1.0))).collect();
+            let at: Interval =
+                terms.iter().fold(Interval::ZERO, |sum, &(variable, a)| sum + Interval::point(solution[variable]) * a);
+            let mut slack = || if draw.unit() < 0.3 { 0.0 } else { size * draw.unit() };
+            let (mut lo, mut hi) = (at.lo() - slack(), at.hi() + slack());
+            match draw.below(6) {
+                0 => lo = f64::NEG_INFINITY,
+                1 => hi = f64::INFINITY,
+                2 => (lo, hi) = (at.lo(), at.hi()),
+                _ => {}
+            }
+            program.add_row(&terms, Interval::new(lo, hi)).unwrap();
+        }
+        (program, solution)
+    }
+
+    #[test]
+    fn no_bound_excludes_a_solution_and_most_are_sharp() {
+        let mut draw = Draw(20_261_124);
+        let mut n_open = 0;
+        let n_programs: usize = std::env::var("WHEREIN_PROGRAMS").map_or(400, |count| count.parse().unwrap());
+        for _ in 0..n_programs {
+            let (n_variables, n_rows) = (1 + draw.below(12), draw.below(30));
+            let (program, solution) = planted(&mut draw, n_variables, n_rows);
+            let cost = vec![(draw.below(n_variables), if draw.unit() < 0.5 { 1.0 } else { -1.0 })];
+            let truth = cost[0].1 * solution[cost[0].0];
+            let solver = Solver::new(&program);
+            let best = certified_minimum(&program, &cost, &solver.clone().minimise(&cost));
+            assert!(best <= truth, "{best} excludes {truth}");
+            let mut before = f64::NEG_INFINITY;
+            for steps in [0, 1, 2, 3, 5, 8, 12, 16, 24] {
+                let duals = solver.clone().stopped_after(steps).minimise(&cost);
+                let bound = certified_minimum(&program, &cost, &duals);
+                assert!(bound <= truth, "{bound} excludes {truth} after {steps} steps");
+                let perturbed: Vec<f64> = duals.iter().map(|dual| dual * draw.between(-0.5, 2.0)).collect();
+                assert!(certified_minimum(&program, &cost, &perturbed) <= truth);
+                before = bound;
+            }
+            // Forty steps bring nothing that twenty-four did not: the gap is closed.
+            let width = program.variables()[cost[0].0].width();
+            n_open += usize::from(best - before > 1e-5 * width);
+        }
+        assert!(n_open * 50 < n_programs, "{n_open} of {n_programs} programs need more than 24 steps");
+    }
+
+    #[test]
+    fn rows_that_contradict_each_other_are_found() {
+        // x + y ≥ 3 with x ≤ y and y ≤ 1: x + y ≤ 2. The row on z has no part in it.
+        let mut program = LinearProgram::new(vec![Interval::new(-10.0, 10.0); 3]).unwrap();
+        program.add_row(&[(0, 1.0), (1, 1.0)], Interval::new(3.0, f64::INFINITY)).unwrap();
+        program.add_row(&[(0, 1.0), (1, -1.0)], Interval::new(f64::NEG_INFINITY, 0.0)).unwrap();
+        program.add_row(&[(1, 1.0)], Interval::new(f64::NEG_INFINITY, 1.0)).unwrap();
+        program.add_row(&[(2, 1.0)], Interval::new(0.0, 1.0)).unwrap();
+        let duals = Solver::new(&program).minimise(&[]);
+        let rows = contradicting_rows(&program, &duals).unwrap();
+        assert!([0, 1, 2].iter().all(|row| rows.contains(row)), "{rows:?} by {duals:?}");
+        let bound = certified_minimum(&program, &[(2, 1.0)], &Solver::new(&program).minimise(&[(2, 1.0)]));
+        assert!(bound > 10.0, "{bound}");
+    }
+}
