@@ -15,6 +15,8 @@ pub enum Variable {
     GyroBias(usize),
     /// Part of the gyroscope's accumulated angle error at a key frame that is bounded at every instant (the constant part of bound `gyro.angle`).
     GyroAngle(usize),
+    /// Error of the flow sensor's place by its counts at a key frame, along world x (0) or y (1).
+    FlowPlace(usize, usize),
     /// Coordinate of a landmark in the world: x (0) or y (1).
     Landmark(LandmarkId, usize),
     /// A constant of the robot.
@@ -40,6 +42,12 @@ pub enum Constant {
     RangePosition(usize),
     /// Direction of the range camera's optical axis from robot forward.
     RangeYaw,
+    /// Travel per count of the flow sensor at its mounted height.
+    FlowMetresPerCount,
+    /// Angle of the flow sensor's forward axis from the robot's.
+    FlowYaw,
+    /// Position of the spot that the flow sensor sees in the robot frame: forward (0) or left (1).
+    FlowPosition(usize),
 }
 
 /// The reference values and boxes of all quantities.
@@ -66,6 +74,11 @@ impl Domain {
             put(Constant::RangeBaseline, camera.baseline_m);
             (0..2).for_each(|axis| put(Constant::RangePosition(axis), camera.position_m[axis]));
             put(Constant::RangeYaw, camera.yaw_rad);
+        }
+        if let (Some(flow), Some(_)) = (&robot.flow, &robot.gyro) {
+            put(Constant::FlowMetresPerCount, flow.metres_per_count);
+            put(Constant::FlowYaw, flow.yaw_rad);
+            (0..2).for_each(|axis| put(Constant::FlowPosition(axis), flow.position_m[axis]));
         }
         domain
     }

@@ -1,14 +1,19 @@
 //! The graph of key frames: poses along the drive, landmarks and constants of the robot, with linear rows that relate them.
 //!
-//! A box of a pose keeps no relation between x, y and heading, nor between the pose and the landmarks that are seen from it. The graph keeps them: each
-//! sensor reading gives rows of a linear program, in the deviations of all quantities from reference values. What is not linear in a row is enclosed
-//! over the boxes of the quantities and added to the sides of the row, so that the true values satisfy every row as long as the declared bounds hold.
-//! Bounds of the program, certified as [`interval::linear_program`] describes, are therefore bounds of the true values.
+//! A box of a pose keeps no relation between x, y and heading, nor between the pose and the landmarks that are seen from it. The graph keeps them:
+//! each sensor reading gives rows of a linear program, in the deviations of all quantities from reference values. What is not linear in a row is
+//! enclosed over the boxes of the quantities and added to the sides of the row, so that the true values satisfy every row as long as the declared
+//! bounds hold. Bounds of the program, certified as [`interval::linear_program`] describes, are therefore bounds of the true values.
 //!
 //! Rotations enter by identities that are exact for any angle: with a direction n that turns by δ from n₀, and its perpendicular,
 //! n₀·d = (n·d) cos δ − (m·d) sin δ. Only sin δ − δ and 1 − cos δ have to be enclosed, and no box of a landmark is needed.
 
 mod domain;
+mod flow;
+mod hull;
+mod key_frames;
+mod link;
+mod relations;
 mod row;
 mod sighting;
 #[cfg(test)]
@@ -16,6 +21,10 @@ mod trial;
 mod way;
 
 pub use domain::{Constant, Domain, Variable};
+pub use flow::flow_rows;
+pub use hull::Hull;
+pub use key_frames::{KeyFrames, Place, Related, displaced};
+pub use relations::{Relations, Stray};
 pub use row::Row;
 pub use sighting::sighting_rows;
 pub use way::way_rows;

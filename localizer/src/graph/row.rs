@@ -39,6 +39,52 @@ impl Row {
         row
     }
 
+    /// The same row for the values of the quantities in place of their deviations: it holds whatever the reference values.
+    pub(super) fn in_values(&self, domain: &Domain) -> Row {
+        Row { terms: self.terms.clone(), sides: self.sides + self.at_reference(domain) }
+    }
+
+    /// A row in values as a row in the deviations from the domain's reference values.
+    pub(super) fn about(&self, domain: &Domain) -> Row {
+        Row { terms: self.terms.clone(), sides: self.sides - self.at_reference(domain) }
+    }
+
+    fn at_reference(&self, domain: &Domain) -> Interval {
+        let parts = self.terms.iter().map(|&(variable, a)| Interval::point(domain.reference(variable)) * a);
+        parts.fold(Interval::ZERO, |sum, part| sum + part)
+    }
+
+    /// Coefficient of a quantity.
+    pub(super) fn coefficient(&self, variable: Variable) -> f64 {
+        self.terms.iter().find(|(other, _)| *other == variable).map_or(0.0, |&(_, coefficient)| coefficient)
+    }
+
+    /// The sum of multiples of rows in values. What is left of quantities that are dropped is enclosed over their intervals, and so are the rounding
+    /// errors of the coefficients.
+    pub(super) fn sum(rows: &[(f64, &Row)], dropped: impl Fn(Variable) -> bool, domain: &Domain) -> Row {
+        let mut coefficients: Vec<(Variable, Interval)> = Vec::new();
+        let mut sides = Interval::ZERO;
+        for &(times, row) in rows {
+            sides += row.sides * times;
+            for &(variable, a) in &row.terms {
+                let part = Interval::point(a) * times;
+                match coefficients.iter_mut().find(|(other, _)| *other == variable) {
+                    Some((_, sum)) => *sum += part,
+                    None => coefficients.push((variable, part)),
+                }
+            }
+        }
+        let mut terms = Vec::with_capacity(coefficients.len());
+        for (variable, coefficient) in coefficients {
+            let kept = if dropped(variable) { 0.0 } else { coefficient.mid() };
+            sides -= (coefficient - Interval::point(kept)) * domain.value(variable);
+            if kept != 0.0 {
+                terms.push((variable, kept));
+            }
+        }
+        Row { terms, sides }
+    }
+
     /// Interval of the row's left side less its sides' middle at the given deviations; for tests.
     #[cfg(test)]
     pub(super) fn value_at(&self, deviation: impl Fn(Variable) -> f64) -> f64 {

@@ -1,8 +1,8 @@
 //! Rows of a landmark's sighting by a range camera.
 //!
-//! Let P and θ be the robot's position and heading at the stamp, L the landmark, a the place of the camera's first view in the robot frame, φ = θ + yaw
-//! the direction of its optical axis, e = (cos φ, sin φ) and r the unit vector to the right of e. With D = L − P − R(θ)·a, the landmark is
-//! X = r·D to the right and Z = e·D ahead, but for what tilts and the stamp's error move it, at most a known distance (`blur`).
+//! Let P and θ be the robot's position and heading at the stamp, L the landmark, a the place of the camera's first view in the robot frame, φ = θ +
+//! yaw the direction of its optical axis, e = (cos φ, sin φ) and r the unit vector to the right of e. With D = L − P − R(θ)·a, the landmark is X =
+//! r·D to the right and Z = e·D ahead, but for what tilts and the stamp's error move it, at most a known distance (`blur`).
 //!
 //! The sighting says f·X = u·Z and f·(X − b) = w·Z, with columns u and w counted from the optical axis. For a measured column ū the vectors
 //! n = (f₀ r − ū e)/N and m = (ū r + f₀ e)/N, N = √(f₀² + ū²), are across the ray and along it. For φ = φ₀ + δ, with n₀ = n at φ₀,

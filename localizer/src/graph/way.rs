@@ -9,7 +9,7 @@
 
 use interval::Interval;
 
-use crate::motion::Way;
+use crate::motion::{GyroTurn, Way};
 
 use super::{
     Constant, Domain, Row, Variable,
@@ -20,8 +20,21 @@ use super::{
 pub fn way_rows(way: &Way, from: usize, to: usize, domain: &Domain) -> Vec<Row> {
     let mut rows = vec![wheel_row(way, 0, [from, to], domain), wheel_row(way, 1, [from, to], domain)];
     rows.push(lateral_row(way, [from, to], domain));
-    rows.extend(gyro_rows(way, [from, to], domain));
+    if let Some(read) = &way.gyro {
+        rows.extend(gyro_rows(read, way.span_s, [from, to], domain));
+    }
     rows
+}
+
+/// The rows of the displacement along world x and y, in values: the mean of both wheels' rows and the row across the way, turned.
+pub(super) fn displacement_rows(way: &Way, frames: [usize; 2], domain: &Domain) -> [Row; 2] {
+    let wheels = [0, 1].map(|wheel| wheel_row(way, wheel, frames, domain).in_values(domain));
+    let lateral = lateral_row(way, frames, domain).in_values(domain);
+    let moved = Displacement::new(frames, domain);
+    [0, 1].map(|axis| {
+        let (along, left) = (moved.along[axis].mid(), moved.left[axis].mid());
+        Row::sum(&[(0.5 * along, &wheels[0]), (0.5 * along, &wheels[1]), (left, &lateral)], |_| false, domain)
+    })
 }
 
 /// What the rows of a displacement have in common.
@@ -106,46 +119,37 @@ fn lateral_row(way: &Way, frames: [usize; 2], domain: &Domain) -> Row {
     Row::new(domain, &terms, sides)
 }
 
-/// scale·turn + bias·span is within what the gyroscope read: once with the mean bias of this way and the noise of each reading; where the bound
-/// `gyro.angle` is declared, also with the bias of the whole run and the accumulated angle error at both ends.
-fn gyro_rows(way: &Way, [from, to]: [usize; 2], domain: &Domain) -> Vec<Row> {
-    let Some(read) = way.gyro else { return Vec::new() };
+/// scale·turn + bias·span is within what the gyroscope read: where the bound `gyro.angle` is declared, with the bias of the whole run and the
+/// accumulated angle error at both ends; else with the mean bias of this way and the noise of each reading.
+pub(super) fn gyro_rows(read: &GyroTurn, span_s: f64, [from, to]: [usize; 2], domain: &Domain) -> Vec<Row> {
     let (scale, heading) = (Variable::Constant(Constant::GyroScale), |frame| Variable::Pose(frame, 2));
     let scale_0 = Interval::point(domain.reference(scale));
     let turn_0 = Interval::point(domain.reference(heading(to))) - domain.reference(heading(from));
     let turn_off = domain.deviation(heading(to)) - domain.deviation(heading(from));
     let row = |bias: Variable, more: &[(Variable, Interval)], sides: Interval| {
-        let mut terms = vec![
-            (heading(to), scale_0),
-            (heading(from), -scale_0),
-            (scale, turn_0),
-            (bias, Interval::point(way.span_s)),
-        ];
+        let mut terms =
+            vec![(heading(to), scale_0), (heading(from), -scale_0), (scale, turn_0), (bias, Interval::point(span_s))];
         terms.extend_from_slice(more);
-        let at_reference = scale_0 * turn_0 + Interval::point(domain.reference(bias)) * way.span_s;
+        let at_reference = scale_0 * turn_0 + Interval::point(domain.reference(bias)) * span_s;
         Row::new(domain, &terms, sides - at_reference - domain.deviation(scale) * turn_off)
     };
     let run_bias = Variable::Constant(Constant::GyroBias);
-    let own_bias = Variable::GyroBias(to);
-    let bias = if domain.value(own_bias).is_empty() { run_bias } else { own_bias };
-    let mut rows = vec![row(bias, &[], read.by_reading_rad)];
     let angle = [from, to].map(Variable::GyroAngle);
     if angle.iter().all(|&at| !domain.value(at).is_empty()) {
         let one = Interval::point(1.0);
-        rows.push(row(run_bias, &[], read.by_span_rad));
-        rows.push(row(run_bias, &[(angle[0], -one), (angle[1], one)], read.summed_rad));
+        return vec![row(run_bias, &[(angle[0], -one), (angle[1], one)], read.summed_rad)];
     }
-    rows
+    let own_bias = Variable::GyroBias(to);
+    let bias = if domain.value(own_bias).is_empty() { run_bias } else { own_bias };
+    vec![row(bias, &[], read.by_reading_rad)]
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use super::*;
     use crate::{
-        graph::trial::{Draw, SLIP, drive, gyro, reach, wheels},
+        graph::trial::{Draw, Drive, SLIP, gyro, reach, wheels},
         motion::WheelHistory,
     };
 
@@ -154,47 +158,20 @@ mod tests {
         let mut draw = Draw::new(20_261_124);
         for round in 0..600 {
             let has_gyro = round % 3 > 0;
-            let has_angle = round % 3 == 2;
-            let drive = drive(&mut draw, has_angle);
-            let mut history = WheelHistory::new(60.0);
-            if has_gyro {
-                history = history.with_gyro(gyro(has_angle));
-            }
-            for (time_s, ticks, rate) in &drive.readings {
-                history.push(*time_s, *ticks);
-                if has_gyro {
-                    history.push_rate(*time_s, *rate);
-                }
-            }
-            let way = history.way(drive.span_s[0], drive.span_s[1], &wheels(), &reach()).unwrap();
-            let mut domain = Domain::default();
-            let mut truth = BTreeMap::new();
-            let mut put = |variable, value: Interval, at: f64| {
-                assert!(value.contains(at), "{variable:?}: {at} is not in {value}");
-                domain.put(variable, value);
-                truth.insert(variable, at);
-            };
-            for frame in 0..2 {
-                for axis in 0..3 {
-                    let half = draw.size(1e-4, 0.2);
-                    let off = draw.within(Interval::centred(0.0, half));
-                    let at = drive.poses[frame][axis];
-                    put(Variable::Pose(frame, axis), Interval::centred(at + off, half * (1.0 + 1e-9)), at);
-                }
-                put(Variable::GyroAngle(frame), Interval::centred(0.0, drive.angle_half_rad), drive.angle_rad[frame]);
-            }
-            let constant = Variable::Constant;
-            for wheel in 0..2 {
-                let per_tick = constant(Constant::MetresPerTick(wheel));
-                put(per_tick, wheels().metres_per_tick(wheel), drive.metres_per_tick[wheel]);
-            }
-            put(constant(Constant::Track), wheels().track_m, drive.track_m);
-            put(constant(Constant::GyroScale), gyro(has_angle).scale, drive.scale);
-            put(constant(Constant::GyroBias), gyro(has_angle).bias_rad_per_s, drive.bias);
-            for (idx, row) in way_rows(&way, 0, 1, &domain).iter().enumerate() {
+            let drive = Drive::short(&mut draw, round % 3 == 2);
+            let (from_s, to_s) = (drive.stamps_s[0], drive.stamps_s[2]);
+            let way = drive.history(has_gyro).way(from_s, to_s, &wheels(), &reach()).unwrap();
+            let (domain, truth) = drive.domain(&mut draw);
+            let rows = way_rows(&way, 0, 2, &domain);
+            for (idx, row) in rows.iter().enumerate() {
                 let value = row.value_at(|variable| truth[&variable] - domain.reference(variable));
                 // The true drive is itself integrated in steps, which makes errors of some 10⁻⁸ m.
                 assert!(row.sides.inflate(1e-7).contains(value), "round {round}, row {idx}: {value}, {}", row.sides);
+            }
+            // The same rows, turned into the directions of the world's axes.
+            for (axis, row) in displacement_rows(&way, [0, 2], &domain).iter().enumerate() {
+                let value = row.value_at(|variable| truth[&variable]);
+                assert!(row.sides.inflate(1e-7).contains(value), "round {round}, axis {axis}: {value}, {}", row.sides);
             }
         }
     }

@@ -22,6 +22,42 @@ struct FlowReading {
     blind_periods: u64,
 }
 
+/// Step of the flow sensor from one reading to the next, or the part of it that lies in a span of time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FlowStep {
+    /// Times at which the step begins and ends.
+    pub(super) from_s: f64,
+    pub(super) until_s: f64,
+    /// Counts at the step's begin and at its end, since the reading before the span.
+    pub(super) from: [f64; 2],
+    pub(super) to: [f64; 2],
+    /// Stamps of the two readings.
+    pub(super) readings_s: [f64; 2],
+    /// At its begin and at its end, the greatest distance of the sensor's place from the place interpolated between two readings; 0 at a reading.
+    pub(super) cut_m: [f64; 2],
+    /// Greatest length by which the path of the step is longer than the distance between its ends, on either axis.
+    pub(super) excess_m: f64,
+}
+
+impl FlowStep {
+    /// Number of parts into which the step is divided, so that none is much longer than a period of the gyroscope.
+    pub(super) fn n_nodes(&self, period_s: f64) -> usize {
+        ((self.until_s - self.from_s) / period_s).round().clamp(1.0, 8.0) as usize
+    }
+
+    /// Stamps at which the parts of the step end.
+    pub(super) fn nodes_s(&self, period_s: f64) -> Vec<f64> {
+        let n_parts = self.n_nodes(period_s);
+        let part_s = (self.until_s - self.from_s) / n_parts as f64;
+        (1..n_parts).map(|part| self.from_s + part as f64 * part_s).chain([self.until_s]).collect()
+    }
+
+    /// Stamps of the readings from which the counts at the step's begin (0) or end (1) come: twice the same one, unless the counts are interpolated.
+    pub(super) fn beside_s(&self, side: usize) -> [f64; 2] {
+        if self.cut_m[side] > 0.0 { self.readings_s } else { [self.readings_s[side]; 2] }
+    }
+}
+
 /// Time difference below which two stamps are the same instant: periods are decimal numbers, stamps binary ones.
 const SAME_S: f64 = 1e-9;
 
@@ -44,12 +80,13 @@ impl FlowHistory {
         }
     }
 
+    /// The model of the flow sensor.
+    pub(super) fn model(&self) -> &FlowModel {
+        &self.model
+    }
+
     /// Motion from `from_s` to a later `to_s` by the flow sensor, with the turn by the gyroscope. It is `None` without a gyroscope, where the
     /// readings do not cover the span of time, and where the flow sensor saw nothing for a period.
-    ///
-    /// Between two readings the travel is interpolated. The sensor's place accelerates by at most A := a + v·ω + (α + ω²)·arm, with the limits a
-    /// and v of acceleration and speed and ω and α of the turn rate and its change. So in a time T the place departs from the chord by at most
-    /// A·T²/8, and goes back and forth by at most A·T²/4.
     pub fn motion(
         &self,
         [from_s, to_s]: [f64; 2],
@@ -57,6 +94,41 @@ impl FlowHistory {
         wheels: &WheelModel,
         reach: &Reach,
     ) -> Option<Motion> {
+        let change_rad_per_s2 = greatest_change_rad_per_s2(wheels, reach);
+        let steps = self.steps([from_s, to_s], self.acceleration_m_per_s2(change_rad_per_s2, reach))?;
+        let mut turns = gyro.map(|gyro| gyro.turns_from(from_s, change_rad_per_s2));
+        let mut integral = FlowIntegral::new();
+        let (mut before_s, mut bent_m) = (from_s, 0.0);
+        for step in steps {
+            let step_s = step.until_s - before_s;
+            // Between two readings the robot may turn further than their difference shows, and back: by up to a quarter of `change_rad_per_s2`,
+            // which bounds the change of the turn rate, times the time squared.
+            let turning_rad = gyro?.turn(before_s, step.until_s, change_rad_per_s2)?.magnitude()
+                + 0.25 * change_rad_per_s2 * step_s * step_s;
+            let counts = [0, 1].map(|axis| step.to[axis] - step.from[axis]);
+            integral.advance(counts, turns.as_mut()?.to(step.until_s)?, turning_rad, step.excess_m, &self.model);
+            bent_m += step.cut_m[0].max(step.cut_m[1]);
+            before_s = step.until_s;
+        }
+        Some(integral.motion(bent_m, &self.model))
+    }
+
+    /// Greatest acceleration of the sensor's place: A := a + v·ω + (α + ω²)·arm, with the limits a and v of acceleration and speed and ω and α of
+    /// the turn rate and its change.
+    pub(super) fn acceleration_m_per_s2(&self, change_rad_per_s2: f64, reach: &Reach) -> f64 {
+        let arm_m = self.model.position_m[0].magnitude() + self.model.position_m[1].magnitude();
+        let turn_rate = reach.turn_rate_rad_per_s;
+        reach.acceleration_m_per_s2
+            + reach.speed_m_per_s * turn_rate
+            + (change_rad_per_s2 + turn_rate * turn_rate) * arm_m
+    }
+
+    /// The steps between the readings in a span of time, the first and the last one cut at the ends of the span. `None` where the readings do not
+    /// cover the span, and where the flow sensor saw nothing for a period.
+    ///
+    /// Between two readings the travel is interpolated: in a time T the place departs from the chord by at most A·T²/8, and goes back and forth by
+    /// at most A·T²/4.
+    pub(super) fn steps(&self, [from_s, to_s]: [f64; 2], acceleration_m_per_s2: f64) -> Option<Vec<FlowStep>> {
         if to_s < from_s {
             return None;
         }
@@ -66,46 +138,32 @@ impl FlowHistory {
         if begin.blind_periods != end.blind_periods {
             return None;
         }
-        let change_rad_per_s2 = greatest_change_rad_per_s2(wheels, reach);
-        let arm_m = self.model.position_m[0].magnitude() + self.model.position_m[1].magnitude();
-        let turn_rate = reach.turn_rate_rad_per_s;
-        let acceleration_m_per_s2 = reach.acceleration_m_per_s2
-            + reach.speed_m_per_s * turn_rate
-            + (change_rad_per_s2 + turn_rate * turn_rate) * arm_m;
-
-        let mut turns = gyro.map(|gyro| gyro.turns_from(from_s, change_rad_per_s2));
-        let mut integral = FlowIntegral::new();
-        let (mut before_s, mut before) = (from_s, [0.0; 2]);
-        let mut bent_m = 0.0;
-        for idx in first..last {
-            let (left, right) = (&self.readings[idx], &self.readings[idx + 1]);
+        let mut steps = Vec::with_capacity(last.saturating_sub(first));
+        for (left, right) in self.readings.range(first..last).zip(self.readings.range(first + 1..=last)) {
             let span_s = right.time_s - left.time_s;
-            let at = |time_s: f64| {
+            let counts_at = |time_s: f64| {
                 let share = (time_s - left.time_s) / span_s;
                 [0, 1].map(|axis| {
                     (left.counts[axis] - begin.counts[axis]) as f64
                         + share * (right.counts[axis] - left.counts[axis]) as f64
                 })
             };
-            if idx == first {
-                before = if from_s > left.time_s + SAME_S { at(from_s) } else { [0.0; 2] };
-            }
-            let until_s = right.time_s.min(to_s);
-            let now = if until_s < right.time_s - SAME_S { at(until_s) } else { at(right.time_s) };
-            let is_cut = from_s > left.time_s + SAME_S || until_s < right.time_s - SAME_S;
-            let cut_m = if is_cut { acceleration_m_per_s2 * span_s * span_s / 8.0 } else { 0.0 };
-            bent_m += cut_m;
-            let excess_m = cut_m + self.back_and_forth_m(span_s, acceleration_m_per_s2);
-            let step_s = until_s - before_s;
-            // Between two readings the robot may turn further than their difference shows, and back: by up to a quarter of `change_rad_per_s2`,
-            // which bounds the change of the turn rate, times the time squared.
-            let turning_rad = gyro?.turn(before_s, until_s, change_rad_per_s2)?.magnitude()
-                + 0.25 * change_rad_per_s2 * step_s * step_s;
-            let step = [now[0] - before[0], now[1] - before[1]];
-            integral.advance(step, turns.as_mut()?.to(until_s)?, turning_rad, excess_m, &self.model);
-            (before_s, before) = (until_s, now);
+            let counts_of =
+                |reading: &FlowReading| [0, 1].map(|axis| (reading.counts[axis] - begin.counts[axis]) as f64);
+            let is_cut = [from_s > left.time_s + SAME_S, to_s < right.time_s - SAME_S];
+            let bent_m = acceleration_m_per_s2 * span_s * span_s / 8.0;
+            let cut_m = is_cut.map(|is_cut| if is_cut { bent_m } else { 0.0 });
+            steps.push(FlowStep {
+                from_s: if is_cut[0] { from_s } else { left.time_s },
+                until_s: if is_cut[1] { to_s } else { right.time_s },
+                from: if is_cut[0] { counts_at(from_s) } else { counts_of(left) },
+                to: if is_cut[1] { counts_at(to_s) } else { counts_of(right) },
+                readings_s: [left.time_s, right.time_s],
+                cut_m,
+                excess_m: cut_m[0].max(cut_m[1]) + self.back_and_forth_m(span_s, acceleration_m_per_s2),
+            });
         }
-        Some(integral.motion(bent_m, &self.model))
+        Some(steps)
     }
 
     /// Greatest length by which the path of the flow sensor between two consecutive readings exceeds the distance between its positions at them.

@@ -124,6 +124,41 @@ impl GyroHistory {
         Some(steps)
     }
 
+    /// Nominal turns from the first stamp to each later one by the gyroscope, with bounds on their errors other than those that the middles of the
+    /// bias and the scale make in proportion to time and turn; `None` before the first reading has arrived.
+    pub(super) fn profile(&self, stamps_s: &[f64], change_rad_per_s2: f64) -> Option<Vec<ProfileStep>> {
+        let model = &self.model;
+        let bias_rad_per_s = if model.bounds_angle() { self.run_bias_rad_per_s } else { model.bias_rad_per_s };
+        let inverse_off = (Interval::point(1.0) / model.scale - 1.0 / model.scale.mid()).magnitude();
+        let mut walk = Walk::new(self, *stamps_s.first()?, change_rad_per_s2);
+        let (mut before, mut steps) = (Sums::default(), Vec::with_capacity(stamps_s.len()));
+        // What the bias changes within the whole span, beside its mean.
+        let whole_s = stamps_s.last()? - stamps_s.first()?;
+        let wandered = (model.bias_wander_rad_per_s2 * whole_s).min(model.bias_rad_per_s.width());
+        for &stamp_s in &stamps_s[1..] {
+            let sums = walk.sums_to(stamp_s)?;
+            let [floor, grows, at_once] = if model.bounds_angle() {
+                [0.5 * model.angle_floor_rad, sums.grown_rad(model), model.one_rad()]
+            } else {
+                [0.0, (model.noise_rad_per_s + wandered) * sums.lasts_s, 0.0]
+            };
+            let (read, lasts_s) = (sums.read_rad - before.read_rad, sums.lasts_s - before.lasts_s);
+            let turned_rad = (read - bias_rad_per_s.mid() * lasts_s).abs();
+            let off_rad_per_s = model.noise_rad_per_s + (model.bias_rad_per_s - bias_rad_per_s.mid()).magnitude();
+            steps.push(ProfileStep {
+                lasts_s: sums.lasts_s,
+                turn_rad: (sums.read_rad - bias_rad_per_s.mid() * sums.lasts_s) / model.scale.mid(),
+                floor_rad: floor / model.scale.lo(),
+                grows_rad: grows / model.scale.lo(),
+                at_once_rad: at_once / model.scale.lo(),
+                bend_rad: sums.bend_rad,
+                step_error_rad: off_rad_per_s * lasts_s / model.scale.lo() + turned_rad * inverse_off,
+            });
+            before = sums;
+        }
+        Some(steps)
+    }
+
     /// Turns by the gyroscope from `from_s` to one later stamp after the other, each as [`turn`](Self::turn) gives it, in one pass over the
     /// readings.
     pub fn turns_from(&self, from_s: f64, change_rad_per_s2: f64) -> TurnsFrom<'_> {
@@ -148,9 +183,28 @@ pub(super) struct TurnStep {
     pub(super) error_rad: f64,
     /// Greatest error of the turn from the first stamp of the span to this one where readings count only in part or are missing.
     pub(super) bend_rad: f64,
-    /// Greatest error of the turn from the first stamp of the span to this one, without `bend_rad`, by the declared bound `gyro.angle`. Infinite where
-    /// that bound is not declared.
+    /// Greatest error of the turn from the first stamp of the span to this one, without `bend_rad`, by the declared bound `gyro.angle`. Infinite
+    /// where that bound is not declared.
     pub(super) span_error_rad: f64,
+}
+
+/// Nominal turn by the gyroscope since the first stamp of a span, with the parts of its error that the noise makes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ProfileStep {
+    /// Time since the first stamp.
+    pub(super) lasts_s: f64,
+    pub(super) turn_rad: f64,
+    /// Greatest error that is bounded at every instant, whatever the span: half of the constant part of `gyro.angle`, or 0 where that is not
+    /// declared.
+    pub(super) floor_rad: f64,
+    /// Greatest error that adds up over the time.
+    pub(super) grows_rad: f64,
+    /// Greatest error by readings that count only in part, over any span.
+    pub(super) at_once_rad: f64,
+    /// Greatest error where readings count only in part or are missing, by the turn rate's change.
+    pub(super) bend_rad: f64,
+    /// Greatest error of the turn since the stamp before by noise, bias and scale.
+    pub(super) step_error_rad: f64,
 }
 
 /// Turns by the gyroscope that begin at the same stamp; see [`GyroHistory::turns_from`].
@@ -290,15 +344,20 @@ impl Sums {
         if !model.bounds_angle() {
             return Interval::ENTIRE;
         }
+        self.within(self.grown_rad(model) + model.one_rad())
+    }
+
+    /// Bound on the part of the accumulated angle error that grows with time, and on what gaps between readings add to it.
+    fn grown_rad(&self, model: &GyroModel) -> f64 {
         let gaps_rad =
             self.n_runs.saturating_sub(1) as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s;
-        self.within(gaps_rad + self.by_one_rad(model))
+        gaps_rad + (model.noise_rad_per_s + model.bias_rad_per_s.width()) * self.beside_s
     }
 
     /// Bound on the noise and the bias's departure, reading by reading, in time that no reading covers and for a reading at either end that lies only
     /// partly in the span.
     fn by_one_rad(&self, model: &GyroModel) -> f64 {
-        (model.noise_rad_per_s + model.bias_rad_per_s.width()) * (self.beside_s + 2.0 * model.period_s)
+        (model.noise_rad_per_s + model.bias_rad_per_s.width()) * self.beside_s + model.one_rad()
     }
 
     /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run. In each stretch of the span that readings cover without a gap,
@@ -310,6 +369,13 @@ impl Sums {
         }
         let by_span_rad = self.n_runs as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s;
         self.within(by_span_rad + self.by_one_rad(model))
+    }
+}
+
+impl GyroModel {
+    /// Bound on noise and on the bias's departure for one reading at either end of a span that lies only partly in the span.
+    fn one_rad(&self) -> f64 {
+        (self.noise_rad_per_s + self.bias_rad_per_s.width()) * 2.0 * self.period_s
     }
 }
 

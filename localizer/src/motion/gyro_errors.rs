@@ -70,6 +70,11 @@ impl GyroErrors {
         self.latest(0.0).1.side(1)
     }
 
+    /// Corners (bias, scale) of a polygon that contains the bias of the whole run and the scale; `None` where what is known is the bias at one time.
+    pub fn corners(&self) -> Option<Vec<[f64; 2]>> {
+        matches!(self.drift, Drift::None).then(|| self.latest(0.0).1.corners().collect())
+    }
+
     /// Turn of the robot in a span of time in which the gyroscope's readings add up to `read`.
     pub fn turn(&self, span_s: [f64; 2], read: Interval) -> Interval {
         let (known_s, known) = self.latest(span_s[1]);

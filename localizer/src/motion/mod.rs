@@ -6,6 +6,7 @@
 
 mod flow;
 mod flow_history;
+mod flow_way;
 mod gyro;
 mod gyro_errors;
 mod integral;
@@ -25,6 +26,7 @@ use crate::{
 
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
+pub use flow_way::FlowWay;
 pub use gyro::{GyroHistory, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
 pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
@@ -110,6 +112,19 @@ impl WheelHistory {
         self.flow.as_ref()?.motion([from_s, to_s], self.gyro.as_ref(), wheels, reach)
     }
 
+    /// The way of the flow sensor's place from `from_s` to `to_s`; `heading_rad` encloses the heading at `from_s`. `None` where
+    /// [`flow_motion`](Self::flow_motion) is.
+    pub fn flow_way(
+        &self,
+        from_s: f64,
+        to_s: f64,
+        heading_rad: Interval,
+        wheels: &WheelModel,
+        reach: &Reach,
+    ) -> Option<FlowWay> {
+        self.flow.as_ref()?.way([from_s, to_s], heading_rad, self.gyro.as_ref()?, wheels, reach)
+    }
+
     /// Adds a reading of the gyroscope.
     pub fn push_rate(&mut self, time_s: f64, rate_rad_per_s: f64) {
         if let Some(gyro) = &mut self.gyro {
@@ -134,6 +149,17 @@ impl WheelHistory {
     /// of it yet.
     pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
+    }
+
+    /// Greatest turn of the robot, by the gyroscope, between a stamp and any instant that is at most `within_s` away from it; `None` without a
+    /// gyroscope.
+    ///
+    /// With the change of the turn rate bounded by α, the heading between two instants a time T apart departs from the chord by at most α·T²/8.
+    pub fn greatest_turn_about(&self, stamp_s: f64, within_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<f64> {
+        let before = self.gyro_turn(stamp_s - within_s, stamp_s, wheels, reach)?;
+        let after = self.gyro_turn(stamp_s, stamp_s + within_s, wheels, reach)?;
+        let bend_rad = greatest_change_rad_per_s2(wheels, reach) * within_s * within_s / 8.0;
+        Some((before.magnitude().max(after.magnitude()) + bend_rad) * (1.0 + 1e-12))
     }
 
     fn turns_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<TurnsFrom<'_>> {

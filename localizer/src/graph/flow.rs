@@ -1,0 +1,270 @@
+//! Rows of the flow sensor's way from one key frame to the next.
+//!
+//! The sensor's place is q = P + R(θ)·a, with its position a in the robot frame. With the sums of [`FlowWay`], the metres per count m, and
+//! K = 1/(1 − κ²) for a scale that varies by the share κ,
+//!
+//! q_b − q_a + E_b − E_a = K·m·R(φ_a + yaw)·(turned counts) ± rest,
+//!
+//! where E is the error of the place by the counts at a key frame ([`Variable::FlowPlace`]). The turned counts are a linear function of the
+//! deviations of both headings, of the mount's yaw and of the gyroscope's scale, but for half of the square of the whole deviation times the path.
+//! The lever arm R(θ)·a is linear but for |a|·δθ²/2 + |δa|·|δθ|. Where the gyroscope's accumulated angle error is bounded, θ + u/scale takes the
+//! place of θ in the turned counts ([`Variable::GyroAngle`]).
+
+use interval::Interval;
+
+use crate::motion::FlowWay;
+
+use super::{
+    Constant, Domain, Row, Variable,
+    row::{axes, dot},
+};
+
+/// The rows along world x and y of the flow sensor's way from key frame number `from` to number `to`. `share_error` says whether the error of the
+/// place at the first key frame is the same as in the way before. `scale_change` is the share by which the sensor's scale varies.
+pub fn flow_rows(
+    way: &FlowWay,
+    [from, to]: [usize; 2],
+    shares_error: bool,
+    scale_change: f64,
+    domain: &Domain,
+) -> [Row; 2] {
+    let flow = Flow::new(way, [from, to], scale_change, domain);
+    [0, 1].map(|axis| flow.row(axis, shares_error))
+}
+
+/// What both rows of a way have in common.
+struct Flow<'a> {
+    way: &'a FlowWay,
+    frames: [usize; 2],
+    domain: &'a Domain,
+    /// K·m at the reference of m.
+    metres: Interval,
+    /// R(φ_a + yaw) at the reference heading and yaw, applied to the sums of counts: all of them, weighted late, and weighted by the bulge.
+    counts: [[Interval; 2]; 3],
+    /// θ_b − θ_a − Ψ at the reference headings.
+    gap: Interval,
+    /// What the rows lose by linearisation.
+    second_m: f64,
+}
+
+impl<'a> Flow<'a> {
+    fn new(way: &'a FlowWay, frames: [usize; 2], scale_change: f64, domain: &'a Domain) -> Flow<'a> {
+        let constant = Variable::Constant;
+        let reference = |variable| Interval::point(domain.reference(variable));
+        let heading = frames.map(|frame| Variable::Pose(frame, 2));
+        let [ahead, left] = axes(reference(heading[0]) + reference(constant(Constant::FlowYaw)));
+        let turned = |counts: [f64; 2]| {
+            let counts = counts.map(Interval::point);
+            [0, 1].map(|axis| ahead[axis] * counts[0] + left[axis] * counts[1])
+        };
+        let gap = reference(heading[1]) - reference(heading[0]) - Interval::point(way.turn_rad);
+        let varying = Interval::point(scale_change);
+        let metres = constant(Constant::FlowMetresPerCount);
+
+        let most = |variable| domain.deviation(variable).magnitude();
+        let scale = domain.value(constant(Constant::GyroScale));
+        let angle = |frame| {
+            let angle = domain.value(Variable::GyroAngle(frame));
+            if angle.is_empty() { 0.0 } else { angle.magnitude() / scale.lo() }
+        };
+        let off =
+            [most(heading[0]) + angle(frames[0]), (domain.deviation(heading[1]) + gap).magnitude() + angle(frames[1])];
+        let scale_share = Interval::point(most(constant(Constant::GyroScale))) / scale;
+        let bulged = scale_share * way.bulge_rad;
+        let most_off =
+            Interval::point(off[0].max(off[1])) + bulged + way.heading_error_rad + most(constant(Constant::FlowYaw));
+        let share = Interval::point(most(metres)) / domain.value(metres);
+        // Second order: of the turn, of the turn with the metres per count, of the gyroscope's scale, and of the middle of the scale with u.
+        let angle_off = (angle(frames[0]) + angle(frames[1])) * scale_share.hi();
+        let second = most_off * most_off / 2.0 + share * most_off + scale_share * bulged + angle_off;
+        Flow {
+            way,
+            frames,
+            domain,
+            metres: reference(metres) / (Interval::ONE - varying * varying),
+            counts: [way.counts, way.late_counts, way.turned_counts].map(turned),
+            gap,
+            second_m: (second * way.path_m).hi(),
+        }
+    }
+
+    fn row(&self, axis: usize, shares_error: bool) -> Row {
+        let (domain, [from, to], way) = (self.domain, self.frames, self.way);
+        let one = Interval::ONE;
+        let mut terms = Vec::with_capacity(20);
+        let mut sides = Interval::centred(0.0, self.second_m + way.error_m[axis]);
+
+        // P_b − P_a + R(θ_b)·a − R(θ_a)·a.
+        for (frame, sign) in [(to, one), (from, -one)] {
+            let pose = Variable::Pose(frame, axis);
+            terms.push((pose, sign));
+            sides -= sign * domain.reference(pose);
+            sides -= self.lever(frame, sign, axis, &mut terms);
+        }
+        // E_b − E_a.
+        terms.push((Variable::FlowPlace(to, axis), one));
+        if shares_error {
+            terms.push((Variable::FlowPlace(from, axis), -one));
+        } else {
+            sides += Interval::centred(0.0, way.end_error_m[0]);
+        }
+
+        // −K·m·R(φ_a + yaw)·(turned counts).
+        let [all, late, bulge] = self.counts;
+        let across = |counts: [Interval; 2]| self.metres * if axis == 0 { -counts[1] } else { counts[0] };
+        sides += self.metres * all[axis] + across(late) * self.gap;
+        let (early_by, late_by) = (across(all) - across(late), across(late));
+        let scale = Variable::Constant(Constant::GyroScale);
+        let scale_0 = Interval::point(domain.reference(scale));
+        for (frame, by) in [(from, early_by), (to, late_by)] {
+            terms.push((Variable::Pose(frame, 2), -by));
+            if !domain.value(Variable::GyroAngle(frame)).is_empty() {
+                terms.push((Variable::GyroAngle(frame), -by / scale_0));
+            }
+        }
+        terms.push((scale, across(bulge) / scale_0));
+        terms.push((Variable::Constant(Constant::FlowYaw), -across(all)));
+        let metres = Variable::Constant(Constant::FlowMetresPerCount);
+        terms.push((metres, -self.metres * all[axis] / domain.reference(metres)));
+        Row::new(domain, &terms, sides)
+    }
+
+    /// Adds the terms of `sign`·R(θ)·a along an axis of the world, and returns its value at the reference with what is not linear.
+    fn lever(&self, frame: usize, sign: Interval, axis: usize, terms: &mut Vec<(Variable, Interval)>) -> Interval {
+        let domain = self.domain;
+        let heading = Variable::Pose(frame, 2);
+        let position = [0, 1].map(|side| Variable::Constant(Constant::FlowPosition(side)));
+        let [ahead, left] = axes(Interval::point(domain.reference(heading)));
+        let along = [ahead[axis], left[axis]];
+        let across = if axis == 0 { [-ahead[1], -left[1]] } else { [ahead[0], left[0]] };
+        let arm_0 = position.map(|side| Interval::point(domain.reference(side)));
+        terms.push((heading, sign * dot(across, arm_0)));
+        (0..2).for_each(|side| terms.push((position[side], sign * along[side])));
+        let length = |vector: [Interval; 2]| vector[0].hypot(vector[1]).hi();
+        let turn = Interval::point(domain.deviation(heading).magnitude());
+        let arm_m = length(position.map(|side| domain.value(side)));
+        let off_m = length(position.map(|side| domain.deviation(side)));
+        let bent_m = (turn * turn * arm_m / 2.0 + turn * off_m).hi();
+        sign * dot(along, arm_0) + Interval::centred(0.0, bent_m)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::graph::trial::{Draw, Drive, flow, reach, wheels};
+
+    #[test]
+    fn the_true_way_satisfies_the_rows_with_one_error_of_the_place_between_two_ways() {
+        let mut draw = Draw::new(20_261_125);
+        for round in 0..600 {
+            let drive = Drive::short(&mut draw, round % 2 == 0);
+            let (history, stamps_s) = (drive.history(true), &drive.stamps_s);
+            let (mut domain, truth) = drive.domain(&mut draw);
+            let ways = [0, 1].map(|at| {
+                let heading = domain.value(Variable::Pose(at, 2));
+                history.flow_way(stamps_s[at], stamps_s[at + 1], heading, &wheels(), &reach()).unwrap()
+            });
+            assert_eq!(ways[0].end_readings_s[1], ways[1].end_readings_s[0]);
+            let errors_m = [ways[0].end_error_m[0], ways[0].end_error_m[1], ways[1].end_error_m[1]].map(|error_m| {
+                // The true drive is integrated in steps, whose errors are far less than this.
+                Interval::centred(0.0, error_m + 1e-7)
+            });
+            for (frame, &error_m) in errors_m.iter().enumerate() {
+                (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), error_m));
+            }
+            let rows = [0, 1].map(|at| flow_rows(&ways[at], [at, at + 1], true, flow().scale_change, &domain));
+            for axis in [0, 1] {
+                // What is left for E_b − E_a in the first way and for E_c − E_b in the second one.
+                let left = [0, 1].map(|at| {
+                    let row: &Row = &rows[at][axis];
+                    row.sides
+                        - Interval::point(row.value_at(|variable| match variable {
+                            Variable::FlowPlace(..) => 0.0,
+                            _ => truth[&variable] - domain.reference(variable),
+                        }))
+                });
+                let middle = errors_m[1].intersect(left[0] + errors_m[0]).intersect(errors_m[2] - left[1]);
+                assert!(!middle.is_empty(), "round {round}, axis {axis}: {left:?}, {errors_m:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_error_of_the_place_that_lengthens_one_way_shortens_the_next() {
+        // All is exact but the counts of 0.1 mm. The robot drives 100.9 counts along x in 0.1 s, of which 100 are counted, and 99.1 in the next 0.1
+        // s, by whose end 200 are counted.
+        let exact = crate::robot::FlowModel {
+            position_m: [Interval::ZERO; 2],
+            metres_per_count: Interval::point(1e-4),
+            yaw_rad: Interval::ZERO,
+            scale_change: 0.0,
+            ..flow()
+        };
+        let still = crate::robot::GyroModel {
+            bias_rad_per_s: Interval::ZERO,
+            scale: Interval::ONE,
+            noise_rad_per_s: 0.0,
+            angle_floor_rad: 0.0,
+            angle_rad_per_s: 0.0,
+            ..crate::graph::trial::gyro(true)
+        };
+        let mut history = crate::motion::WheelHistory::new(60.0).with_gyro(still).with_flow(exact);
+        for step in 0..=20_u32 {
+            let counts = if step <= 10 { 10.09 * f64::from(step) } else { 100.9 + 9.91 * f64::from(step - 10) };
+            history.push_flow(0.01 * f64::from(step), [(counts + 1e-9).floor() as i64, 0], 0);
+            history.push_rate(0.01 * f64::from(step), 0.0);
+        }
+        let mut domain = Domain::default();
+        for (frame, x_m) in [0.0, 0.010_09, 0.02].into_iter().enumerate() {
+            [x_m, 0.0, 0.0].into_iter().enumerate().for_each(|(axis, at)| {
+                domain.put(Variable::Pose(frame, axis), Interval::point(at));
+            });
+            domain.put(Variable::GyroAngle(frame), Interval::ZERO);
+            (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), Interval::centred(0.0, 1e-4)));
+        }
+        let constants = [
+            (Constant::GyroScale, 1.0),
+            (Constant::FlowMetresPerCount, 1e-4),
+            (Constant::FlowYaw, 0.0),
+            (Constant::FlowPosition(0), 0.0),
+            (Constant::FlowPosition(1), 0.0),
+        ];
+        constants.iter().for_each(|&(one, at)| domain.put(Variable::Constant(one), Interval::point(at)));
+        for at in 0..2 {
+            let span_s = [0.1 * at as f64, 0.1 * (at + 1) as f64];
+            let way = history.flow_way(span_s[0], span_s[1], Interval::ZERO, &wheels(), &reach()).unwrap();
+            let [along, _] = flow_rows(&way, [at, at + 1], true, 0.0, &domain);
+            // The counts at the middle key frame lack 0.9 counts, those at the others none: as errors about the middle of a count, −0.45 and 0.45.
+            let value = |middle_counts: f64| {
+                along.value_at(|variable| match variable {
+                    Variable::FlowPlace(1, 0) => 1e-4 * middle_counts,
+                    Variable::FlowPlace(_, 0) => 0.45e-4,
+                    _ => 0.0,
+                })
+            };
+            assert!(along.sides.contains(value(-0.45)) && !along.sides.contains(value(0.45)), "{along:?}");
+            assert!(along.sides.width() < 1e-5, "{along:?}");
+        }
+    }
+
+    #[test]
+    fn a_straight_way_is_known_to_its_scale_and_two_counts() {
+        // 2 s at 0.2 m/s along world x with counts of 0.1 mm: apart from the varying scale, 0.4 % of 0.4 m, and from the error of the place at both
+        // ends, less than 0.1 mm is left along the way.
+        let mut history = crate::motion::WheelHistory::new(60.0)
+            .with_gyro(crate::graph::trial::gyro(true))
+            .with_flow(crate::robot::FlowModel { yaw_rad: Interval::ZERO, ..flow() });
+        for step in 0..=200_u32 {
+            let time_s = 0.01 * f64::from(step);
+            history.push_flow(time_s, [(2000.0 * time_s).round() as i64, 0], 0);
+            history.push_rate(time_s, 0.001);
+        }
+        let way = history.flow_way(0.0, 2.0, Interval::ZERO, &wheels(), &reach()).unwrap();
+        let scale_m = 0.004 * (0.4 + 200.0 * 1e-4) * 1.01;
+        assert!((scale_m - 0.0001..scale_m + 0.0001).contains(&way.error_m[0]), "{way:?}");
+        assert!(way.error_m[1] < 0.0004, "{way:?}");
+        assert!((way.counts[0] - 4000.0).abs() < 1e-3 && (way.late_counts[0] - 2000.0).abs() < 1e-3, "{way:?}");
+    }
+}

@@ -1,0 +1,56 @@
+//! Bounds of quantities by a linear program, computed one program after the other.
+
+use interval::{
+    Interval,
+    linear_program::{Solver, certified_maximum, certified_minimum},
+};
+
+use super::{Related, Variable};
+
+/// Work on the bounds of chosen quantities over all values that satisfy the rows.
+///
+/// Each quantity needs two programs, for its least and its greatest value. They are solved one at a time, so that the caller spreads them over the
+/// steps of a drive.
+pub struct Hull {
+    related: Related,
+    solver: Solver,
+    /// The quantities with the indices of their variables.
+    wanted: Vec<(Variable, usize)>,
+    /// The bounds certified so far: the least value of the first quantity, its greatest value, the least of the second, …
+    certified: Vec<f64>,
+}
+
+impl Hull {
+    /// No bounds yet of the quantities given.
+    pub fn new(related: Related, wanted: Vec<Variable>) -> Hull {
+        let wanted = wanted.into_iter().filter_map(|variable| Some((variable, related.index(variable)?))).collect();
+        let solver = Solver::new(&related.program);
+        Hull { related, solver, wanted, certified: Vec::new() }
+    }
+
+    /// Solves the next program. Returns whether it was the last one.
+    pub fn advance(&mut self) -> bool {
+        let n_done = self.certified.len();
+        if let Some(&(_, index)) = self.wanted.get(n_done / 2) {
+            let program = &self.related.program;
+            let is_least = n_done.is_multiple_of(2);
+            let sign = if is_least { 1.0 } else { -1.0 };
+            let duals = self.solver.minimise(&[(index, sign)]);
+            let certified = if is_least { certified_minimum } else { certified_maximum };
+            self.certified.push(certified(program, &[(index, 1.0)], &duals));
+        }
+        self.certified.len() == 2 * self.wanted.len()
+    }
+
+    /// The bounds of the quantities in the order in which they were asked for; `None` where the rows contradict each other.
+    pub fn bounds(&self) -> Option<Vec<Interval>> {
+        let sides = self.certified.chunks_exact(2);
+        let bounds = self.wanted.iter().zip(sides).map(|(&(variable, _), sides)| {
+            let reference = Interval::point(self.related.domain.reference(variable));
+            let value = self.related.domain.value(variable);
+            let bound = if sides[0] <= sides[1] { Interval::new(sides[0], sides[1]) } else { Interval::EMPTY };
+            Some((reference + bound).intersect(value)).filter(|bound| !bound.is_empty())
+        });
+        bounds.collect()
+    }
+}

@@ -1,0 +1,385 @@
+//! Key frames of a drive, and the linear program that relates them.
+
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Arc,
+};
+
+use interval::{
+    Interval, IntervalBox,
+    linear_program::{LinearProgram, ProgramError},
+};
+
+use crate::{
+    PoseBox, RobotModel,
+    motion::{FlowWay, Way},
+    reading::LandmarkId,
+    robot::GyroModel,
+};
+
+use super::{
+    Constant, Domain, Relations, Row, Stray, Variable,
+    link::{Link, Read},
+};
+
+/// Greatest number of key frames that are kept. With one every two seconds these are the last 200 seconds; older ones are farther apart.
+const MOST: usize = 100;
+/// Greatest time from a key frame to the next one, if there are readings: the latest key frame is replaced by the next until that would be exceeded.
+const APART_S: f64 = 2.3;
+
+/// The gyroscope's errors that are constant over a run.
+const GYRO_ERRORS: [Variable; 2] = [Variable::Constant(Constant::GyroBias), Variable::Constant(Constant::GyroScale)];
+
+/// Box of a landmark's world x and y.
+pub type Place = [Interval; 2];
+
+/// One stamp of the drive at which the pose is bounded.
+#[derive(Clone)]
+struct KeyFrame {
+    number: usize,
+    stamp_s: f64,
+    /// Box of the pose: as it was known when the key frame was made, narrowed since by bounds of the linear program.
+    pose: PoseBox,
+    /// The way from the key frame before; `None` for the first one, and where no reading of the motion is to be believed.
+    link: Option<Link>,
+    /// What a reading at this stamp relates, if there is one.
+    relations: Option<Arc<dyn Relations>>,
+    /// How far the robot can have gone between the reading's stamp and its true instant.
+    stray: Stray,
+    /// The greatest error of the flow sensor's place by its counts, and the stamps of the readings that the counts are of.
+    place: Option<(f64, [f64; 2])>,
+}
+
+/// The key frames of a drive.
+#[derive(Clone)]
+pub struct KeyFrames {
+    frames: VecDeque<KeyFrame>,
+    constants: Domain,
+    gyro: Option<GyroModel>,
+    flow_scale_change: f64,
+    /// Corners (bias, scale) of a polygon that contains the gyroscope's bias over the whole run and its scale; none where only their intervals are
+    /// known.
+    gyro_errors: Vec<[f64; 2]>,
+    next_number: usize,
+}
+
+/// A linear program over the deviations of all quantities from their reference values.
+#[derive(Clone, Debug)]
+pub struct Related {
+    /// The program, whose variables are in the order of `variables`.
+    pub program: LinearProgram,
+    /// The quantities.
+    pub variables: Vec<Variable>,
+    /// The reference values and boxes of the quantities.
+    pub domain: Domain,
+}
+
+impl KeyFrames {
+    /// No key frames yet, for a robot with the given constants.
+    pub fn new(robot: &RobotModel) -> KeyFrames {
+        KeyFrames {
+            frames: VecDeque::new(),
+            constants: Domain::of_constants(robot),
+            gyro: robot.gyro,
+            flow_scale_change: robot.flow.map_or(0.0, |flow| flow.scale_change),
+            gyro_errors: Vec::new(),
+            next_number: 0,
+        }
+    }
+
+    /// Stamp of the latest key frame.
+    pub fn latest_s(&self) -> Option<f64> {
+        self.frames.back().map(|latest| latest.stamp_s)
+    }
+
+    /// Number of the latest key frame; 0 before the first one.
+    pub fn latest_number(&self) -> usize {
+        self.frames.back().map_or(0, |latest| latest.number)
+    }
+
+    /// Stamps of the last but one and of the latest key frame.
+    pub fn span_before_latest_s(&self) -> Option<[f64; 2]> {
+        let before = self.frames.len().checked_sub(2)?;
+        Some([self.frames[before].stamp_s, self.frames[before + 1].stamp_s])
+    }
+
+    /// Box of the headings at the last but one key frame.
+    pub fn heading_before_latest(&self) -> Interval {
+        self.frames.len().checked_sub(2).map_or(Interval::EMPTY, |before| self.frames[before].pose[2])
+    }
+
+    /// Adds a key frame with a later stamp than all others, in place of the latest one if that is near to the one before. `pose` encloses the pose at
+    /// its stamp. The way to it is not known yet.
+    pub fn push(&mut self, stamp_s: f64, pose: PoseBox, stray: Stray, relations: Option<Arc<dyn Relations>>) {
+        if self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= APART_S) {
+            self.frames.pop_back();
+        }
+        let number = self.next_number;
+        self.next_number += 1;
+        let (link, place) = (None, None);
+        self.frames.push_back(KeyFrame { number, stamp_s, pose, link, relations, stray, place });
+        if self.frames.len() > MOST {
+            self.drop_one();
+        }
+    }
+
+    /// Sets what is known of the gyroscope's bias over the whole run and of its scale, by the corners of a polygon that contains both.
+    pub fn know_gyro(&mut self, corners: Vec<[f64; 2]>) {
+        self.gyro_errors = corners;
+    }
+
+    /// Whether a reading at the latest key frame relates its pose to other quantities.
+    pub fn latest_relates(&self) -> bool {
+        self.frames.back().is_some_and(|latest| latest.relations.is_some())
+    }
+
+    /// Greatest error of the stamp of the latest key frame's reading.
+    pub fn latest_stamp_error_s(&self) -> f64 {
+        self.frames.back().and_then(|latest| latest.relations.as_ref()).map_or(0.0, |latest| latest.stamp_error_s())
+    }
+
+    /// Sets the way from the last but one key frame to the latest one, and how far the robot can have gone within the error of the latter's stamp.
+    pub fn set_latest(&mut self, way: Option<Way>, flow: Option<FlowWay>, stray: Stray) {
+        let Some(mut latest) = self.frames.pop_back() else { return };
+        latest.stray = stray;
+        if let Some(before) = self.frames.back_mut().filter(|_| way.is_some() || flow.is_some()) {
+            let place = flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])));
+            let shares_error = place.is_some_and(|[first, _]| *before.place.get_or_insert(first) == first);
+            latest.place = place.map(|[_, last]| last);
+            let shift_m = before.shift_m() + latest.shift_m();
+            let scale_change = self.flow_scale_change;
+            latest.link = Some(Link::Read(Read { way, flow, shift_m, shares_error, scale_change }));
+        }
+        if latest.link.is_none() && self.frames.iter().all(|frame| frame.relations.is_none()) {
+            // Nothing relates the key frames before to this one.
+            self.frames.clear();
+        }
+        self.frames.push_back(latest);
+    }
+
+    /// Narrows the pose of the latest key frame.
+    pub fn narrow_latest(&mut self, pose: &PoseBox) {
+        if let Some(latest) = self.frames.back_mut() {
+            latest.pose = latest.pose.intersect(pose);
+        }
+    }
+
+    /// Number of the key frame that is so many key frames older than the latest one.
+    pub fn number_before_latest(&self, n_frames: usize) -> Option<usize> {
+        Some(self.frames.get(self.frames.len().checked_sub(n_frames + 1)?)?.number)
+    }
+
+    /// Narrows the heading at the key frame with the given number.
+    pub fn narrow_heading(&mut self, number: usize, heading: Interval) {
+        if let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number) {
+            frame.pose[2] = frame.pose[2].intersect(heading);
+        }
+    }
+
+    /// Greatest distance between the position that the rows of the latest key frame hold for and the robot's position at its stamp.
+    pub fn latest_shift_m(&self) -> f64 {
+        self.frames.back().map_or(0.0, KeyFrame::shift_m)
+    }
+
+    /// Forgets all key frames, and what was known of the gyroscope.
+    pub fn clear(&mut self) {
+        self.frames.clear();
+        self.gyro_errors.clear();
+    }
+
+    /// Drops the key frame whose neighbours are nearest in time, measured by their age, so that older key frames are farther apart than newer ones.
+    /// The first one stays: where the drive began is often known best.
+    fn drop_one(&mut self) {
+        let Some(latest_s) = self.latest_s() else { return };
+        let gap = |idx: usize| {
+            let (before, after) = (&self.frames[idx - 1], &self.frames[idx + 1]);
+            (after.stamp_s - before.stamp_s) / (latest_s - before.stamp_s)
+        };
+        let Some(at) = (1..self.frames.len() - 1).min_by(|&a, &b| gap(a).total_cmp(&gap(b))) else { return };
+        let link = match (&self.frames[at].link, &self.frames[at + 1].link) {
+            (Some(before), Some(after)) => {
+                let numbers = [at - 1, at, at + 1].map(|at| self.frames[at].number);
+                before.join(after, numbers, &self.domain(&[]))
+            }
+            _ => None,
+        };
+        self.frames[at + 1].link = link;
+        self.frames.remove(at);
+    }
+
+    /// The linear program of all key frames. `known` are places of landmarks that follow from other readings.
+    pub fn related(&self, known: &[(LandmarkId, Place)]) -> Result<Related, ProgramError> {
+        let domain = self.domain(known);
+        let mut rows = self.gyro_rows(&domain);
+        let mut before: Option<&KeyFrame> = None;
+        for frame in &self.frames {
+            if let (Some(before), Some(link)) = (before, &frame.link) {
+                rows.extend(link.rows([before.number, frame.number], &domain));
+                rows.extend(self.drift_row(before, frame, &domain));
+            }
+            if let Some(relations) = &frame.relations {
+                rows.extend(relations.rows(frame.number, &frame.stray, &domain));
+            }
+            before = Some(frame);
+        }
+        Related::new(domain, &rows)
+    }
+
+    /// The boxes of all quantities: of the landmarks, all that are seen from two key frames or more.
+    fn domain(&self, known: &[(LandmarkId, Place)]) -> Domain {
+        let mut domain = self.constants.clone();
+        for (side, variable) in GYRO_ERRORS.into_iter().enumerate() {
+            let known = self.gyro_errors.iter().map(|corner| Interval::point(corner[side])).reduce(Interval::hull);
+            // A corner may be outside of the declared interval by a rounding error.
+            let value = domain.value(variable).intersect(known.unwrap_or(Interval::ENTIRE));
+            if !value.is_empty() {
+                domain.put(variable, value);
+            }
+        }
+        let mut places: BTreeMap<LandmarkId, (usize, Place)> =
+            known.iter().map(|&(landmark, place)| (landmark, (0, place))).collect();
+        for frame in &self.frames {
+            domain.put_pose(frame.number, &displaced(&frame.pose, frame.shift_m()));
+            for (landmark, place) in frame.relations.iter().flat_map(|relations| relations.landmarks(&frame.pose)) {
+                let (n_seen, best) = places.entry(landmark).or_insert((0, [Interval::ENTIRE; 2]));
+                *n_seen += 1;
+                *best = [0, 1].map(|axis| best[axis].intersect(place[axis]));
+            }
+            if let Some(gyro) = self.gyro.filter(|gyro| frame.link.is_some() && gyro.drifts_from_way_to_way()) {
+                domain.put(Variable::GyroBias(frame.number), gyro.bias_rad_per_s);
+            }
+            if let Some((error_m, _)) = frame.place {
+                (0..2).for_each(|axis| {
+                    domain.put(Variable::FlowPlace(frame.number, axis), Interval::centred(0.0, error_m))
+                });
+            }
+            if let Some(gyro) = self.gyro.filter(GyroModel::bounds_angle) {
+                let half_rad = 0.5 * gyro.angle_floor_rad;
+                domain.put(Variable::GyroAngle(frame.number), Interval::centred(0.0, half_rad));
+            }
+        }
+        for (landmark, (n_seen, place)) in places {
+            if n_seen > 1 && place.iter().all(|side| side.is_bounded()) {
+                (0..2).for_each(|axis| domain.put(Variable::Landmark(landmark, axis), place[axis]));
+            }
+        }
+        domain
+    }
+
+    /// A row for each side of the polygon that contains the gyroscope's bias and scale.
+    fn gyro_rows(&self, domain: &Domain) -> Vec<Row> {
+        let corners = &self.gyro_errors;
+        let across = |(at, corner): (usize, &[f64; 2])| {
+            let next = corners[(at + 1) % corners.len()];
+            let normal = [next[1] - corner[1], corner[0] - next[0]].map(Interval::point);
+            let side = |[bias, scale]: [f64; 2]| normal[0] * bias + normal[1] * scale;
+            let sides = corners.iter().map(|&corner| side(corner)).fold(Interval::EMPTY, Interval::hull);
+            let reference = GYRO_ERRORS.map(|variable| domain.reference(variable));
+            Row::new(domain, &[(GYRO_ERRORS[0], normal[0]), (GYRO_ERRORS[1], normal[1])], sides - side(reference))
+        };
+        corners.iter().enumerate().map(across).collect()
+    }
+
+    /// The mean biases on two ways, one after the other, differ by at most what the bias drifts between their middles.
+    fn drift_row(&self, before: &KeyFrame, frame: &KeyFrame, domain: &Domain) -> Option<Row> {
+        let wander_rad_per_s2 = self.gyro?.bias_wander_rad_per_s2;
+        let spans_s = before.link.as_ref()?.read()?.span_s()? + frame.link.as_ref()?.read()?.span_s()?;
+        let biases = [before, frame].map(|frame| Variable::GyroBias(frame.number));
+        if biases.iter().any(|&bias| domain.value(bias).is_empty()) {
+            return None;
+        }
+        let drift = Interval::point(wander_rad_per_s2) * spans_s * 0.5;
+        let one = Interval::point(1.0);
+        let at_reference = Interval::point(domain.reference(biases[1])) - domain.reference(biases[0]);
+        let sides = Interval::ZERO.hull(drift).hull(-drift) - at_reference;
+        Some(Row::new(domain, &[(biases[1], one), (biases[0], -one)], sides))
+    }
+}
+
+impl KeyFrame {
+    fn shift_m(&self) -> f64 {
+        self.relations.as_ref().map_or(0.0, |relations| relations.shift_m(&self.stray))
+    }
+}
+
+/// A box of poses whose positions are displaced by at most a distance, in any direction.
+pub fn displaced(pose: &PoseBox, by_m: f64) -> PoseBox {
+    IntervalBox::from([pose[0].inflate(by_m), pose[1].inflate(by_m), pose[2]])
+}
+
+impl Related {
+    fn new(domain: Domain, rows: &[Row]) -> Result<Related, ProgramError> {
+        let variables: Vec<Variable> = domain.iter().map(|(variable, _)| variable).collect();
+        let index: BTreeMap<Variable, usize> = variables.iter().enumerate().map(|(idx, &one)| (one, idx)).collect();
+        let deviations = variables.iter().map(|&variable| domain.deviation(variable)).collect();
+        let mut program = LinearProgram::new(deviations)?;
+        for row in rows {
+            let terms: Vec<(usize, f64)> =
+                row.terms.iter().map(|&(variable, coefficient)| (index[&variable], coefficient)).collect();
+            program.add_row(&terms, row.sides)?;
+        }
+        Ok(Related { program, variables, domain })
+    }
+
+    /// Index of a quantity among the program's variables.
+    pub fn index(&self, variable: Variable) -> Option<usize> {
+        self.variables.iter().position(|&one| one == variable)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::graph::{
+        Hull,
+        trial::{Draw, Drive, reach, robot, wheels},
+    };
+
+    #[test]
+    fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_what_adds_up() {
+        for round in 0..6 {
+            let mut draw = Draw::new(20_261_127 + round);
+            let drive = Drive::new(&mut draw, true, 260.0, 120);
+            let history = drive.history(true);
+            let mut frames = KeyFrames::new(&robot());
+            let around = |at: f64, half: f64, draw: &mut Draw| {
+                let off = draw.within(Interval::centred(0.0, half));
+                Interval::centred(at + off, half * (1.0 + 1e-9))
+            };
+            let mut widths_m = Vec::new();
+            for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate() {
+                // The heading is known to 10 mrad at each key frame, as by walls, the position to 1 mm at the first one and to 2 m at the others.
+                let half_m = if at == 0 { 0.001 } else { 2.0 };
+                let pose =
+                    [(0, half_m), (1, half_m), (2, 0.01)].map(|(axis, half)| around(truth[axis], half, &mut draw));
+                frames.push(stamp_s, IntervalBox::from(pose), Stray::default(), None);
+                if let Some([from_s, to_s]) = frames.span_before_latest_s() {
+                    let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
+                    let way = history.way(from_s, to_s, &wheels(), &reach()).filter(|_| round % 2 == 0);
+                    frames.set_latest(way, flow.filter(|_| round % 3 < 2), Stray::default());
+                }
+                assert!(frames.frames.len() <= MOST);
+                let number = frames.latest_number();
+                let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
+                let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);
+                while !hull.advance() {}
+                let bounds = hull.bounds().unwrap();
+                for (axis, bound) in bounds.iter().enumerate() {
+                    assert!(
+                        bound.inflate(1e-6).contains(truth[axis]),
+                        "round {round}, {stamp_s} s: {} not in {bound}",
+                        truth[axis]
+                    );
+                }
+                frames.narrow_latest(&IntervalBox::from([bounds[0], bounds[1], bounds[2]]));
+                widths_m.push(bounds[0].width().max(bounds[1].width()));
+            }
+            let last_m = widths_m[widths_m.len() - 1];
+            // By the flow sensor: 0.4 % of a path of at most 0.5 m/s on either side, and a few millimetres for each way. Headings that are off by 10
+            // mrad on every way, all to the same side, would add twice 1 % of the path.
+            let path_m: f64 = drive.path_m;
+            assert!(round % 3 == 2 || last_m < 2.0 * 0.0085 * path_m, "round {round}: {last_m} m after {path_m} m");
+        }
+    }
+}

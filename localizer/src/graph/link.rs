@@ -1,0 +1,209 @@
+//! What the readings between two key frames tell of the way from one to the other.
+//!
+//! **Dropping a key frame.** The rows of the ways before and after it are added, so that its position cancels. Its heading is left with some
+//! coefficient γ; multiples of the gyroscope's rows of both ways are added so that it cancels, too, and with it the gyroscope's bias as far as the
+//! time is shared: θ_b is then, but for the gyroscope's error, between θ_a and θ_c in proportion to the time. Whatever is left of the dropped key
+//! frame is enclosed over its box. A sum of rows is a row, so that nothing is assumed by any of this; only width is lost.
+
+use crate::motion::{FlowWay, Way};
+
+use super::{
+    Domain, Row, Variable, flow_rows,
+    way::{displacement_rows, gyro_rows, way_rows},
+};
+
+/// The way from one key frame to the next.
+#[derive(Clone, Debug)]
+pub(super) enum Link {
+    /// By the readings between the two.
+    Read(Read),
+    /// By the rows of several ways, of which the key frames between were dropped.
+    Joined(Joined),
+}
+
+/// The way between two key frames by the readings between them.
+#[derive(Clone, Debug)]
+pub(super) struct Read {
+    /// By the wheels and the gyroscope; `None` where the wheels are not to be believed.
+    pub(super) way: Option<Way>,
+    /// By the flow sensor and the gyroscope; `None` where the flow sensor saw nothing.
+    pub(super) flow: Option<FlowWay>,
+    /// Greatest distance by which both key frames' positions are displaced from the robot's, in total.
+    pub(super) shift_m: f64,
+    /// Whether the flow sensor's place at the first key frame has the same error as in the way before.
+    pub(super) shares_error: bool,
+    /// Share by which the flow sensor's scale varies.
+    pub(super) scale_change: f64,
+}
+
+/// Rows of a way whose values, not deviations, are within their sides, so that they hold whatever the reference values.
+#[derive(Clone, Debug)]
+pub(super) struct Joined {
+    span_s: f64,
+    /// Rows of the displacement along world x and y by the flow sensor, and by the wheels.
+    displacements: [Option<[Row; 2]>; 2],
+    turn: Option<Row>,
+}
+
+impl Link {
+    /// The rows between two key frames.
+    pub(super) fn rows(&self, frames: [usize; 2], domain: &Domain) -> Vec<Row> {
+        match self {
+            Link::Read(read) => {
+                let mut rows: Vec<Row> = read.flow_rows(frames, domain).into_iter().flatten().collect();
+                match (&read.way, &read.flow) {
+                    (Some(way), _) => rows.extend(way_rows(&way.displaced(read.shift_m), frames[0], frames[1], domain)),
+                    (None, Some(flow)) => rows.extend(gyro_rows(&flow.gyro, flow.span_s, frames, domain)),
+                    (None, None) => {}
+                }
+                rows
+            }
+            Link::Joined(joined) => {
+                let displacements = joined.displacements.iter().flatten().flatten();
+                displacements.chain(&joined.turn).map(|row| row.about(domain)).collect()
+            }
+        }
+    }
+
+    /// The way by the readings between the key frames.
+    pub(super) fn read(&self) -> Option<&Read> {
+        match self {
+            Link::Read(read) => Some(read),
+            Link::Joined(_) => None,
+        }
+    }
+
+    /// The way over this link and the next one, without the key frame between them. `None` where one of them tells nothing of the displacement.
+    pub(super) fn join(&self, next: &Link, [first, middle, last]: [usize; 3], domain: &Domain) -> Option<Link> {
+        let before = self.in_values([first, middle], domain);
+        let after = next.in_values([middle, last], domain);
+        let dropped = |variable: Variable| is_of(variable, middle);
+        let [turn_before, turn_after] = [before.turn.as_ref()?, after.turn.as_ref()?];
+        let total_s = before.span_s + after.span_s;
+        let heading = Variable::Pose(middle, 2);
+        let join = |a: &Row, b: &Row| {
+            let left = a.coefficient(heading) + b.coefficient(heading);
+            // Shares of the gyroscope's rows that cancel the heading, and between them the bias.
+            let [by_before, by_after] = [
+                -left * (after.span_s / total_s) / turn_before.coefficient(heading),
+                -left * (before.span_s / total_s) / turn_after.coefficient(heading),
+            ];
+            Row::sum(&[(1.0, a), (1.0, b), (by_before, turn_before), (by_after, turn_after)], dropped, domain)
+        };
+        let has = |source: usize| before.displacements[source].is_some() || after.displacements[source].is_some();
+        let displacements = [0, 1].map(|source| {
+            let either = |joined: &Joined| {
+                joined.displacements[source].clone().or_else(|| joined.displacements[1 - source].clone())
+            };
+            let (a, b) = (either(&before)?, either(&after)?);
+            has(source).then(|| [0, 1].map(|axis| join(&a[axis], &b[axis])))
+        });
+        let turn = Row::sum(&[(1.0, turn_before), (1.0, turn_after)], dropped, domain);
+        displacements.iter().any(Option::is_some).then_some(Link::Joined(Joined {
+            span_s: total_s,
+            displacements,
+            turn: Some(turn),
+        }))
+    }
+
+    fn in_values(&self, frames: [usize; 2], domain: &Domain) -> Joined {
+        match self {
+            Link::Joined(joined) => joined.clone(),
+            Link::Read(read) => read.in_values(frames, domain),
+        }
+    }
+}
+
+impl Read {
+    /// Length of time of the way.
+    pub(super) fn span_s(&self) -> Option<f64> {
+        self.way.as_ref().map(|way| way.span_s).or_else(|| self.flow.as_ref().map(|flow| flow.span_s))
+    }
+
+    fn flow_rows(&self, frames: [usize; 2], domain: &Domain) -> Option<[Row; 2]> {
+        let rows = flow_rows(self.flow.as_ref()?, frames, self.shares_error, self.scale_change, domain);
+        Some(rows.map(|row| Row { sides: row.sides.inflate(self.shift_m), ..row }))
+    }
+
+    fn in_values(&self, frames: [usize; 2], domain: &Domain) -> Joined {
+        let mut joined = Joined { span_s: 0.0, displacements: [None, None], turn: None };
+        if let Some(flow) = &self.flow {
+            joined.span_s = flow.span_s;
+            joined.displacements[0] = self.flow_rows(frames, domain).map(|rows| rows.map(|row| row.in_values(domain)));
+        }
+        let way = self.way.as_ref().map(|way| way.displaced(self.shift_m));
+        if let Some(way) = &way {
+            joined.span_s = way.span_s;
+            joined.displacements[1] = Some(displacement_rows(way, frames, domain));
+        }
+        let read = self.way.as_ref().and_then(|way| way.gyro).or(self.flow.as_ref().map(|flow| flow.gyro));
+        let turn = read.and_then(|read| gyro_rows(&read, joined.span_s, frames, domain).pop());
+        joined.turn = turn.map(|row| row.in_values(domain));
+        joined
+    }
+}
+
+/// Whether a variable belongs to a key frame.
+fn is_of(variable: Variable, frame: usize) -> bool {
+    match variable {
+        Variable::Pose(of, _) | Variable::GyroBias(of) | Variable::GyroAngle(of) | Variable::FlowPlace(of, _) => {
+            of == frame
+        }
+        Variable::Landmark(..) | Variable::Constant(_) => false,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use interval::Interval;
+
+    use super::*;
+    use crate::graph::trial::{Draw, Drive, flow, reach, wheels};
+
+    #[test]
+    fn the_true_way_satisfies_the_rows_of_two_ways_joined() {
+        let mut draw = Draw::new(20_261_126);
+        for round in 0..900 {
+            let drive = Drive::short(&mut draw, round % 2 == 0);
+            let (history, stamps_s) = (drive.history(true), &drive.stamps_s);
+            let (mut domain, truth) = drive.domain(&mut draw);
+            let links = [0, 1].map(|at| {
+                let span_s = [stamps_s[at], stamps_s[at + 1]];
+                let heading = domain.value(Variable::Pose(at, 2));
+                let flow_way = history.flow_way(span_s[0], span_s[1], heading, &wheels(), &reach());
+                let way = history.way(span_s[0], span_s[1], &wheels(), &reach());
+                // By both, by the flow sensor alone, or by one in the first way and by the other in the second one.
+                let (has_way, has_flow) = [(true, true), (false, true), (at == 0, at == 1)][round % 3];
+                Link::Read(Read {
+                    way: way.filter(|_| has_way),
+                    flow: flow_way.filter(|_| has_flow),
+                    shift_m: 0.0,
+                    shares_error: true,
+                    scale_change: flow().scale_change,
+                })
+            });
+            let error = Interval::centred(0.0, 2e-3);
+            for frame in 0..3 {
+                (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), error));
+            }
+            let joined = links[0].join(&links[1], [0, 1, 2], &domain).unwrap();
+            let rows = joined.rows([0, 2], &domain);
+            assert_eq!(rows.len(), if round % 3 == 1 { 3 } else { 5 });
+            for (idx, row) in rows.iter().enumerate() {
+                assert!(row.terms.iter().all(|&(variable, _)| !is_of(variable, 1)), "{row:?}");
+                let mut sides = row.sides.inflate(1e-7);
+                let value = row.value_at(|variable| match variable {
+                    Variable::FlowPlace(..) => 0.0,
+                    _ => truth[&variable] - domain.reference(variable),
+                });
+                for &(variable, coefficient) in &row.terms {
+                    if let Variable::FlowPlace(..) = variable {
+                        sides -= error * coefficient;
+                    }
+                }
+                assert!(sides.contains(value), "round {round}, row {idx}: {value}, {sides}");
+            }
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What a reading relates, in a form from which its rows can be made anew about any reference values.
+
+use interval::Interval;
+
+use crate::{PoseBox, reading::LandmarkId, robot::Reach};
+
+use super::{Domain, Row};
+
+/// What one reading says about the pose at its stamp together with other quantities.
+///
+/// The rows of a linear program hold near reference values only: what is not linear in them is enclosed over the boxes of the quantities. As these
+/// boxes become narrower, rows are made anew.
+pub trait Relations: Send + Sync {
+    /// The landmarks that the rows name, each with a box of its world x and y that follows from a box of poses at the reading's stamp.
+    fn landmarks(&self, pose: &PoseBox) -> Vec<(LandmarkId, [Interval; 2])>;
+
+    /// Greatest error of the reading's stamp.
+    fn stamp_error_s(&self) -> f64;
+
+    /// Greatest horizontal distance by which everything that the reading shows is displaced in common, such as by the motion within the stamp's
+    /// error. The rows hold for the robot's position displaced by at most that distance.
+    fn shift_m(&self, stray: &Stray) -> f64;
+
+    /// The rows of the reading at the key frame with the given number. `stray` bounds the robot's motion within the stamp's error. The domain has the
+    /// pose of that key frame, the constants of the robot, and the landmarks; rows of a landmark that the domain does not have are left out.
+    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row>;
+}
+
+/// How far the robot can have moved and turned between the stamp of a reading and the instant at which the reading was truly taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stray {
+    /// Greatest distance between the robot's positions at the two instants.
+    pub metres: f64,
+    /// Greatest turn between the two instants.
+    pub radians: f64,
+}
+
+impl Stray {
+    /// What the robot's limits of speed and turn rate allow within a stamp's error.
+    pub fn by_reach(stamp_error_s: f64, reach: &Reach) -> Stray {
+        Stray { metres: stamp_error_s * reach.speed_m_per_s, radians: stamp_error_s * reach.turn_rate_rad_per_s }
+    }
+}
