@@ -1,11 +1,14 @@
 //! The interface of a localization method: from one sensor reading it makes one constraint on the robot's pose, with claims, which are checkable
 //! assertions of what it saw.
 
+use std::sync::Arc;
+
 use interval::{Interval, contractor::Contractor};
 
 use crate::{
     PoseUnion, Reading,
     bounds::Assumption,
+    graph::Relations,
     markers::{GridPlace, MarkerId},
     motion::{Motion, Twist},
     quota::Quota,
@@ -98,6 +101,8 @@ pub struct Constraint {
     /// Interval for the heading by this reading without the earlier ones, near the headings that were possible before the reading; `None` where the
     /// reading by itself gives no heading.
     pub alone_heading_rad: Option<Interval>,
+    /// What the reading relates, for the graph of key frames; `None` where the method relates nothing, or cannot be sure that no item is wrong.
+    pub relations: Option<Arc<dyn Relations>>,
 }
 
 /// An assertion by a method about what it saw. The simulator projects the true object with its own camera model and so knows whether the claim is

@@ -169,6 +169,12 @@ impl GyroModel {
     pub fn bounds_angle(&self) -> bool {
         self.angle_floor_rad.is_finite()
     }
+
+    /// Whether the mean bias changes from one span of time to the next by an amount of which only its greatest change per time (bound `gyro.wander`)
+    /// is known.
+    pub fn drifts_from_way_to_way(&self) -> bool {
+        self.bias_wander_rad_per_s2 > 0.0 && !self.bounds_angle()
+    }
 }
 
 /// Model of a range camera, a stereo or structured-light camera that measures landmarks by the columns at which its two views see them.

@@ -236,5 +236,6 @@ pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, wi
         rejected_px: Vec::new(),
         decides: true,
         alone_heading_rad: None,
+        relations: None,
     }
 }

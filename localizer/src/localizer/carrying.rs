@@ -96,6 +96,10 @@ impl Localizer {
                 }
                 _ => predicted.clone(),
             };
+            let contracted = match (failed, &slot.related) {
+                (Failed::Nothing, Some(related)) => contracted.common(&PoseUnion::single(*related)),
+                _ => contracted,
+            };
             if contracted.is_empty() && !(predicted.is_empty() && failed != Failed::Nothing) {
                 contradicting.push(slot.stamp_s);
                 let anew = match (failed, &slot.constraint) {

@@ -100,6 +100,8 @@ impl Localizer {
         let since: Vec<(Failed, f64)> =
             reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
         self.hypotheses = since.iter().map(|(failed, _)| Hypothesis::new(*failed)).collect();
+        self.graph.clear();
+        self.ring.forget_relations();
         for slot in self.ring.iter_mut() {
             let believed = std::mem::take(&mut slot.unions[0]);
             slot.unions = since
@@ -314,6 +316,7 @@ impl Localizer {
             fixes.forget_since(since_s);
         }
         self.tell_wheels_of_gyro();
+        self.graph.clear();
         for method in &mut self.methods {
             method.forget_since(since_s);
             for slot in self.ring.iter_mut() {

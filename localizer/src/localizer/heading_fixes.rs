@@ -155,6 +155,11 @@ impl HeadingFixes {
         self.errors.bias_over([now_s - span_s, now_s])
     }
 
+    /// Corners of what is known of the gyroscope's bias over the whole run and of its scale.
+    pub(super) fn corners(&self) -> Option<Vec<[f64; 2]>> {
+        self.errors.corners()
+    }
+
     /// Enclosure of the gyroscope's scale.
     pub(super) fn scale(&self) -> Interval {
         self.errors.scale()

@@ -19,7 +19,8 @@ impl Localizer {
     /// Begins learning with the heading at the start as the first heading fix.
     pub(super) fn begin_fixes(&mut self) {
         if let Some(fixes) = &mut self.fixes {
-            self.relies_on.extend(fixes.relies_on());
+            let known = self.relies_on.clone();
+            self.relies_on.extend(fixes.relies_on().filter(|assumption| !known.contains(assumption)));
             fixes.begin(self.current.hull()[2]);
         }
     }

@@ -10,6 +10,7 @@ mod heading_fixes;
 mod hypothesis;
 mod learning;
 mod moves;
+mod relating;
 mod ring;
 mod slip;
 
@@ -27,6 +28,7 @@ use doubt::Doubts;
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
 use moves::{REACH, assumptions, memory_s, motion_between, motion_history};
+use relating::Graph;
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 
@@ -83,6 +85,8 @@ pub struct Localizer {
     relies_on: Vec<Assumption>,
     /// Heading fixes (headings known at single stamps) from which the gyroscope's bias is learnt; `None` if the bias is not learnt.
     fixes: Option<HeadingFixes>,
+    /// Key frames of the drive, with what relates them.
+    graph: Graph,
     /// The wheel encoders' latest count, and the time since which they have had that count.
     at_rest: Option<(f64, [i64; 2])>,
     /// Greatest error of the stamps of wheels, gyroscope and flow sensor.
@@ -97,6 +101,7 @@ impl Localizer {
             slip: CertifiedSlip::new(memory_s(&robot)),
             known_heading: (0.0, start[2]),
             relies_on: assumptions(&robot),
+            graph: Graph::new(&robot),
             map,
             robot,
             methods,
@@ -120,6 +125,7 @@ impl Localizer {
     pub fn restart(&mut self, start: PoseBox) {
         self.wheels = motion_history(&self.robot);
         self.ring = Ring::new(REMEMBER_S);
+        self.graph.clear();
         self.integral = None;
         self.at_rest = None;
         self.now_s = 0.0;
@@ -230,6 +236,7 @@ impl Localizer {
         self.predict();
         self.anchor_when_due();
         self.learn_at_rest(time_s, ticks);
+        self.work_on_graph();
     }
 
     /// Notes that a gyroscope or flow reading arrived after poses at later stamps had been predicted, so that they are predicted again with it.
@@ -280,6 +287,8 @@ impl Localizer {
     /// they may have slipped unnoticed. The poses of that time are predicted again.
     fn certify_slip(&mut self, [from_s, now_s]: [f64; 2]) {
         if self.slip.certify([from_s, now_s]) {
+            self.graph.clear();
+            self.ring.forget_relations();
             self.replay_all(from_s - slip::UNSEEN_S);
         }
     }
@@ -306,8 +315,11 @@ impl Localizer {
             self.begin_doubt(None);
             return;
         }
-        self.ring.push(Slot::anchor(self.now_s, unions));
+        let anchor = Slot::anchor(self.now_s, unions);
+        let union = anchor.merged();
+        self.ring.push(anchor);
         self.restart_integral();
+        self.relate(self.now_s, &union, None);
     }
 
     /// Lets every method read an image or other reading, and applies the resulting constraints at the reading's own stamp.
@@ -342,7 +354,7 @@ impl Localizer {
             };
             let heading_only = self.methods[idx].tells_heading_only();
             let constraint = if heading_only { self.on_a_reading(constraint) } else { constraint };
-            let hung_s = constraint.stamp_s;
+            let (hung_s, relations) = (constraint.stamp_s, constraint.relations.clone());
             let mut account = self.hang(constraint, prior.clone());
             let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.merged().hull()[2]);
             if hung_s != stamp_s {
@@ -359,6 +371,8 @@ impl Localizer {
             if !is_sound && !self.is_doubted() {
                 self.begin_doubt(None);
             }
+            let posterior = self.ring.at(hung_s).map(Slot::merged).unwrap_or_default();
+            self.relate(hung_s, &posterior, relations);
             accounts.push(account);
         }
         accounts
@@ -382,7 +396,7 @@ impl Localizer {
         let witnesses = self.witnesses(&constraint);
         let evidence = self.evidence(&constraint, &witnesses);
         let unions = vec![PoseUnion::default(); self.hypotheses.len()];
-        self.ring.insert(Slot { stamp_s, unions, constraint: Some(constraint), witnesses });
+        self.ring.insert(Slot { stamp_s, unions, constraint: Some(constraint), related: None, witnesses });
         let from_s = stamp_s.min(self.stale_s);
         self.stale_s = f64::INFINITY;
         account.emptied = match evidence {

@@ -72,8 +72,11 @@ pub(super) fn motion_between(
 /// Declared bounds that a prediction of the motion relies on while nothing is doubted.
 pub(super) fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
     let mut names = WHEELS.to_vec();
-    if robot.gyro.is_some() {
+    if let Some(gyro) = robot.gyro {
         names.extend(GYRO);
+        if gyro.drifts_from_way_to_way() {
+            names.push(bounds::GYRO_WANDER);
+        }
     }
     if robot.flow.is_some() && robot.gyro.is_some() {
         names.extend(FLOW);

@@ -5,7 +5,7 @@ use std::{
     ops::{Index, IndexMut},
 };
 
-use crate::{Constraint, PoseUnion};
+use crate::{Constraint, PoseBox, PoseUnion};
 
 use super::hypothesis::Witness;
 
@@ -16,6 +16,8 @@ pub(super) struct Slot {
     pub(super) unions: Vec<PoseUnion>,
     /// The constraint by an image at this stamp; `None` for an anchor, which is a slot without an image.
     pub(super) constraint: Option<Constraint>,
+    /// Box of the pose at the slot's stamp by the graph of key frames, if nothing failed.
+    pub(super) related: Option<PoseBox>,
     /// Witnesses of the slot's image, which are the things by whose fault alone it may be false: markers that it shows, or the image itself.
     pub(super) witnesses: Vec<Witness>,
 }
@@ -23,7 +25,7 @@ pub(super) struct Slot {
 impl Slot {
     /// A slot without an image.
     pub(super) fn anchor(stamp_s: f64, unions: Vec<PoseUnion>) -> Slot {
-        Slot { stamp_s, unions, constraint: None, witnesses: Vec::new() }
+        Slot { stamp_s, unions, constraint: None, related: None, witnesses: Vec::new() }
     }
 
     /// The pose union that holds the true pose if at least one of the hypotheses about what failed is right.
@@ -114,6 +116,11 @@ impl Ring {
     pub(super) fn drop_anchors_after(&mut self, stamp_s: f64) {
         let oldest_s = self.slots.front().map_or(stamp_s, |oldest| oldest.stamp_s);
         self.slots.retain(|slot| slot.stamp_s <= stamp_s.max(oldest_s) || slot.constraint.is_some());
+    }
+
+    /// Forgets the boxes by the graph of key frames in all slots.
+    pub(super) fn forget_relations(&mut self) {
+        self.slots.iter_mut().for_each(|slot| slot.related = None);
     }
 
     /// Replaces all slots of the ring by a single one.

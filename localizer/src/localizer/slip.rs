@@ -43,7 +43,7 @@ impl CertifiedSlip {
     }
 
     /// Whether the wheel readings are left out in some part of the given time span because the wheels slipped.
-    fn covers(&self, [from_s, to_s]: [f64; 2]) -> bool {
+    pub(super) fn covers(&self, [from_s, to_s]: [f64; 2]) -> bool {
         self.spans_s.iter().any(|span_s| span_s[0] < to_s && from_s < span_s[1])
     }
 

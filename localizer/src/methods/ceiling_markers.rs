@@ -128,6 +128,7 @@ impl CeilingMarkers {
             quota: Quota::of_each(self.camera.q_items),
             decides: true,
             alone_heading_rad: None,
+            relations: None,
             rejected_px,
         })
     }

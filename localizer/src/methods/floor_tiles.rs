@@ -159,6 +159,7 @@ impl FloorTiles {
             // failed assumption do not. So every image counts as evidence to end the doubt.
             decides: true,
             alone_heading_rad: None,
+            relations: None,
         })
     }
 

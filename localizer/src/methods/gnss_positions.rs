@@ -196,6 +196,7 @@ impl Method for GnssPositions {
             decides: !is_alike,
             rejected_px: Vec::new(),
             alone_heading_rad: None,
+            relations: None,
         })
     }
 

@@ -29,7 +29,7 @@ mod keyframes;
 mod sight;
 mod solver;
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::Arc};
 
 use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
@@ -46,6 +46,7 @@ use crate::{
 use atlas::Atlas;
 use in_order::{InOrder, Learnt};
 use keyframes::KeyFrames;
+use sight::Sightings;
 pub use sight::{Seen, Sensor};
 pub use solver::{Freedom, PoseFromLandmarks, Solver};
 
@@ -150,6 +151,12 @@ impl RangeLandmarks {
         }
     }
 
+    /// Whether the readings' relations hold as they stand: where a match may be wrong, they do not, and where the heading is known beforehand, as in
+    /// the paper's simpler tables, or another solver is to be compared, they are not used.
+    fn relates(&self) -> bool {
+        self.q_items == 0 && self.freedom == Freedom::Full && self.solver == Solver::OneShot
+    }
+
     /// Pairs of a landmark's box in the world and its box in the robot frame, for each sighting of a landmark whose place is known.
     fn pairs(&self, seen: &[Seen]) -> Vec<([Interval; 2], [Interval; 2])> {
         let bounded = seen.iter().filter(|seen| seen.is_bounded());
@@ -194,6 +201,7 @@ impl Method for RangeLandmarks {
             rejected_px: Vec::new(),
             decides,
             alone_heading_rad: None,
+            relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings)) as _),
         })
     }
 

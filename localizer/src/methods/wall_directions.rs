@@ -258,6 +258,7 @@ impl WallDirections {
             quota: self.quotas.of_image([n_level, edges.upright.len()], self.seen.len(), self.solves_lean),
             rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
+            relations: None,
         })
     }
 
@@ -279,6 +280,7 @@ impl WallDirections {
             decides: false,
             rejected_px,
             alone_heading_rad: None,
+            relations: None,
         }
     }
 

@@ -21,6 +21,7 @@ use interval::Interval;
 
 use crate::{
     PoseBox, RobotModel,
+    graph::{Domain, Place, Relations, Row, Stray, Variable, sighting_rows},
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
 };
@@ -62,7 +63,7 @@ impl Sensor {
     fn in_robot(&self, sighting: &Sighting) -> Option<[Interval; 2]> {
         let camera = &self.camera;
         let in_view = self.hull_of_cell(sighting, camera.yaw_rad)?;
-        let blur_m = self.displacement(in_view)?;
+        let blur_m = self.displacement(in_view, &Stray::by_reach(camera.stamp_error_s, &self.reach))?;
         Some([0, 1].map(|axis| (in_view[axis] + camera.position_m[axis]).inflate(blur_m)))
     }
 
@@ -93,9 +94,21 @@ impl Sensor {
         Some(hull)
     }
 
-    /// Greatest distance by which tilts and stamp error move a landmark in the robot frame, in any direction.
-    fn displacement(&self, in_view: [Interval; 2]) -> Option<f64> {
-        let (camera, body, reach) = (&self.camera, &self.body, &self.reach);
+    /// Greatest distance by which tilts and stamp error move a landmark in the robot frame, in any direction. `stray` bounds the robot's motion
+    /// within the stamp's error.
+    fn displacement(&self, in_view: [Interval; 2], stray: &Stray) -> Option<f64> {
+        Some((self.own_displacement(in_view, stray)? + self.shift_m(stray)) * ABOVE)
+    }
+
+    /// Greatest distance by which tilts and stamp error displace all landmarks in common: the robot moves, and the mount moves with the body's tilt.
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        let (camera, tilt_rad) = (&self.camera, self.body.tilt_rad);
+        (camera.height_m * tilt_rad.sin() + length(camera.position_m) * tilt_rad * tilt_rad + stray.metres) * ABOVE
+    }
+
+    /// Greatest distance by which tilts and stamp error move a landmark in the robot frame beside what they displace all landmarks in common.
+    fn own_displacement(&self, in_view: [Interval; 2], stray: &Stray) -> Option<f64> {
+        let (camera, body) = (&self.camera, &self.body);
         let tilt_rad = body.tilt_rad + camera.tilt_rad;
         if tilt_rad > MOST_TILT_RAD {
             return None;
@@ -107,8 +120,57 @@ impl Sensor {
         let tilted_m = raised_m + range_m * tilt_rad * tilt_rad;
         let mount_m = camera.height_m * body.tilt_rad.sin() + arm_m * body.tilt_rad * body.tilt_rad;
         let away_m = arm_m + range_m + mount_m;
-        let stamp_m = camera.stamp_error_s * (reach.speed_m_per_s + reach.turn_rate_rad_per_s * away_m);
-        Some((tilted_m + mount_m + stamp_m) * ABOVE)
+        Some((tilted_m + stray.radians * away_m) * ABOVE)
+    }
+}
+
+/// The sightings of one reading as relations between the pose, the landmarks and the constants of the camera.
+pub(super) struct Sightings {
+    sensor: Sensor,
+    sighted: Vec<Sighted>,
+}
+
+/// A sighting whose disparity cannot be 0.
+struct Sighted {
+    sighting: Sighting,
+    /// The landmark with its box in the robot frame.
+    seen: Seen,
+    /// Box in which the landmark was seen from the camera, along the axes of the robot frame.
+    in_view: [Interval; 2],
+}
+
+impl Sightings {
+    /// The relations of those sightings whose disparity cannot be 0.
+    pub(super) fn new(sensor: &Sensor, sightings: &[Sighting]) -> Sightings {
+        let sighted = sightings.iter().filter_map(|sighting| {
+            let in_view = sensor.hull_of_cell(sighting, sensor.camera.yaw_rad)?;
+            let seen = sensor.seen(sighting);
+            seen.is_bounded().then_some(Sighted { sighting: *sighting, seen, in_view })
+        });
+        Sightings { sighted: sighted.collect(), sensor: sensor.clone() }
+    }
+}
+
+impl Relations for Sightings {
+    fn landmarks(&self, pose: &PoseBox) -> Vec<(LandmarkId, Place)> {
+        self.sighted.iter().map(|sighted| (sighted.seen.landmark, sighted.seen.in_world(pose))).collect()
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        self.sensor.camera.stamp_error_s
+    }
+
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        self.sensor.shift_m(stray)
+    }
+
+    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
+        let is_known = |seen: &Seen| !domain.value(Variable::Landmark(seen.landmark, 0)).is_empty();
+        let rows = |sighted: &Sighted| {
+            let blur_m = self.sensor.own_displacement(sighted.in_view, stray)?;
+            Some(sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain))
+        };
+        self.sighted.iter().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
     }
 }
 

@@ -1,0 +1,164 @@
+//! The graph of key frames in the localizer: when a reading becomes a key frame, how the work on the linear program is spread over the steps, and how
+//! the program's bounds come back to the stored poses.
+//!
+//! At each wheel reading one program is solved at most, of those for the least and the greatest x, y and heading of the latest key frame and for the
+//! heading of an older one. So the bounds apply from a fixed number of wheel readings after the key frame on, whatever the speed of the computer.
+
+use std::sync::Arc;
+
+use interval::IntervalBox;
+
+use crate::{
+    PoseUnion, RobotModel,
+    graph::{Hull, KeyFrames, Place, Relations, Stray, Variable, displaced},
+    reading::LandmarkId,
+};
+
+use super::Localizer;
+
+/// Least time between two key frames.
+const PERIOD_S: f64 = 1.0;
+/// Least time from a key frame with a reading that relates something to one without. Readings of the motion are remembered for 3 s, within which both
+/// the next key frame and its readings have to arrive.
+const LONGEST_S: f64 = 1.6;
+/// Least time between two stamps that are not the same.
+const SLACK_S: f64 = 1e-6;
+/// Widest heading of a key frame: what is not linear in the rows grows with the square of it.
+const WIDEST_RAD: f64 = 0.3;
+/// Number of wheel readings that are awaited after a key frame before its program is made, so that what wheels and gyroscope read at its stamp has
+/// arrived.
+const AWAITED: usize = 10;
+/// Number of key frames after which the heading of an older one is bounded once more, with all that was read since: what is not linear in the rows
+/// about it grows with the heading's interval.
+const SMOOTHED: usize = 15;
+/// The key frames, and the work on the program of the latest one.
+pub(super) struct Graph {
+    frames: KeyFrames,
+    work: Option<Work>,
+}
+
+/// Work on the linear program of the latest key frame.
+struct Work {
+    /// Number of wheel readings since the key frame was taken in.
+    n_steps: usize,
+    /// The bounds so far; `None` before the program is made.
+    hull: Option<Hull>,
+}
+
+impl Graph {
+    pub(super) fn new(robot: &RobotModel) -> Graph {
+        Graph { frames: KeyFrames::new(robot), work: None }
+    }
+
+    /// Forgets all key frames: an assumption failed, and it is not known since when what they tell is false.
+    pub(super) fn clear(&mut self) {
+        self.frames.clear();
+        self.work = None;
+    }
+
+    /// Whether a stamp becomes a key frame: after some time, which is longer where a reading that relates something may follow soon, and none at all
+    /// where such a reading follows a key frame without one.
+    fn is_due(&self, stamp_s: f64, relates: bool) -> bool {
+        let wait_s = match (relates, self.frames.latest_relates()) {
+            (true, false) => SLACK_S,
+            (false, true) => LONGEST_S,
+            _ => PERIOD_S,
+        };
+        self.frames.latest_s().is_none_or(|latest_s| stamp_s >= latest_s + wait_s - 0.5 * SLACK_S)
+    }
+
+    /// Makes the program for bounds of the latest key frame's pose. `known` are places of landmarks that the methods have learnt.
+    fn begin(&mut self, known: &[(LandmarkId, Place)]) {
+        let number = self.frames.latest_number();
+        let older = self.frames.number_before_latest(SMOOTHED);
+        let pose = (0..3).map(|axis| Variable::Pose(number, axis));
+        let wanted = pose.chain(older.map(|number| Variable::Pose(number, 2))).collect();
+        let hull = self.frames.related(known).ok().map(|related| Hull::new(related, wanted));
+        match (&mut self.work, hull) {
+            (Some(work), Some(hull)) => work.hull = Some(hull),
+            _ => self.work = None,
+        }
+    }
+}
+
+impl Localizer {
+    /// Keeps a reading as a key frame if one is due. `posterior` encloses the pose at its stamp.
+    pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, relations: Option<Arc<dyn Relations>>) {
+        let pose = posterior.hull();
+        let is_known = !pose.is_empty() && pose[2].width() <= WIDEST_RAD;
+        let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;
+        if !is_known || !is_believed || !self.graph.is_due(stamp_s, relations.is_some()) {
+            return;
+        }
+        let stamp_error_s = relations.as_ref().map_or(0.0, |relations| relations.stamp_error_s());
+        let stray = Stray::by_reach(stamp_error_s, &self.robot.reach);
+        self.graph.frames.push(stamp_s, pose, stray, relations);
+        self.graph.work = Some(Work { n_steps: 0, hull: None });
+    }
+
+    /// Goes on with the work on the latest key frame's program: a fixed part of it at each wheel reading.
+    pub(super) fn work_on_graph(&mut self) {
+        let Some(work) = &mut self.graph.work else { return };
+        work.n_steps += 1;
+        if work.n_steps < AWAITED {
+            return;
+        }
+        if work.hull.is_none() {
+            self.learn_way();
+            self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
+            let known: Vec<_> = self.methods.iter().flat_map(|method| method.landmarks()).collect();
+            self.graph.begin(&known);
+            return;
+        }
+        if work.hull.as_mut().is_some_and(Hull::advance)
+            && let Some(Work { hull: Some(hull), .. }) = self.graph.work.take()
+        {
+            self.apply(&hull);
+        }
+    }
+
+    /// Computes, from the readings that have arrived, the way to the latest key frame, and how far the robot can have gone within the error of its
+    /// stamp.
+    fn learn_way(&mut self) {
+        let Some(stamp_s) = self.graph.frames.latest_s() else { return };
+        let (wheels, reach) = (&self.robot.wheels, &self.robot.reach);
+        let span_s = self.graph.frames.span_before_latest_s().filter(|span_s| span_s[0] >= self.doubts.ended_s);
+        let (way, flow) = match span_s {
+            Some([from_s, to_s]) => {
+                let is_believed = !self.slip.covers([from_s, to_s]);
+                let way = is_believed.then(|| self.wheels.way(from_s, to_s, wheels, reach)).flatten();
+                let heading = self.graph.frames.heading_before_latest();
+                (way, self.wheels.flow_way(from_s, to_s, heading, wheels, reach))
+            }
+            None => (None, None),
+        };
+        let error_s = self.graph.frames.latest_stamp_error_s();
+        let mut stray = Stray::by_reach(error_s, reach);
+        if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, wheels, reach) {
+            stray.radians = stray.radians.min(turn_rad);
+        }
+        self.graph.frames.set_latest(way, flow, stray);
+    }
+
+    /// Brings the bounds of a program back to the stored pose of its key frame.
+    fn apply(&mut self, hull: &Hull) {
+        let Some(stamp_s) = self.graph.frames.latest_s() else { return };
+        let bounds = hull.bounds().unwrap_or_default();
+        let &[x, y, heading, ref older @ ..] = bounds.as_slice() else {
+            self.begin_doubt(None);
+            return;
+        };
+        let older_number = self.graph.frames.number_before_latest(SMOOTHED);
+        if let (Some(number), &[heading]) = (older_number, older) {
+            self.graph.frames.narrow_heading(number, heading);
+        }
+        let pose = displaced(&IntervalBox::from([x, y, heading]), self.graph.frames.latest_shift_m());
+        self.graph.frames.narrow_latest(&pose);
+        let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return };
+        slot.related = Some(pose);
+        if !self.replay_all(stamp_s) {
+            self.restart_integral();
+            self.predict();
+        }
+    }
+}
