@@ -63,10 +63,6 @@ pub fn detect_as_printed(
 /// The noise is first made equal everywhere, so that one threshold serves for dark and bright areas. What is found in the filtered image is
 /// measured again in the unfiltered one, because the filter moves edges.
 pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
-    if picture.width.min(picture.height) as f64 <= 2.0 * BORDER_PX {
-        // An image this small has no inside: all of its pixels belong to the border in which no edges are searched.
-        return Vec::new();
-    }
     let even = stabilise::stabilised(picture);
     let filtered = guided(&even.binned());
     refitted(&even, &long_segments(&filtered, picture))

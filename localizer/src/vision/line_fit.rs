@@ -44,8 +44,10 @@ impl LineSet {
 const SLOPE_MAX: f64 = 0.2;
 /// A range of slopes is bisected as long as its width would widen the lines' offsets by more than this.
 const SLACK_PX: f64 = 0.06;
-/// Absolute margin for rounding errors: coordinates below 10⁵ px have a spacing of 10⁻¹¹, and each passes through few operations.
+/// Absolute margin for rounding errors: coordinates below [`FARTHEST_PX`] have a spacing of 10⁻¹¹, and each passes through few operations.
 const ROUNDING: f64 = 1e-9;
+/// Coordinates and bounds must be less than this in magnitude: the margin for rounding errors would not cover those of greater ones.
+const FARTHEST_PX: f64 = 1e5;
 
 /// Encloses all lines that are within their bound of at least `n − ⌊share_wrong·n⌋` of the `n` points `[u, v, bound]`.
 ///
@@ -53,14 +55,15 @@ const ROUNDING: f64 = 1e-9;
 /// least K points; these lines form the K-level of the arrangement of bounding lines. Over a small range of slopes each point allows one interval
 /// of `b`, so that a sweep encloses the intercepts that K points allow; ranges of slopes are bisected, and dropped where no line is left.
 ///
-/// `None` if no line is near enough to that many points, or if the points are too few or too close together to bound the direction.
+/// `None` if no line is near enough to that many points, if the points are too few or too close together to bound the direction, or if one is
+/// [`FARTHEST_PX`] away or more.
 pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
     let count = points.len();
     // The number of points that may be wrong, a share of all, is rounded down. The product is increased slightly before that, so that rounding errors
     // can only allow one more wrong point, never one less.
     let wrong = (share_wrong * count as f64 + ROUNDING).floor() as usize;
     let needed = count.checked_sub(wrong)?;
-    if count < 2 || needed < 2 || points.iter().flatten().any(|value| !value.is_finite()) {
+    if count < 2 || needed < 2 || !points.iter().flatten().all(|value| value.abs() < FARTHEST_PX) {
         return None;
     }
     let (centroid_px, direction_rad) = estimate(points, needed)?;
@@ -301,6 +304,9 @@ mod tests {
         assert_eq!(enclose(&[], 0.3), None);
         assert_eq!(enclose(&[[1.0, 2.0, 0.5]], 0.3), None);
         assert_eq!(enclose(&[[f64::NAN, 2.0, 0.5], [3.0, 4.0, 0.5], [9.0, 9.0, 0.5]], 0.0), None);
+        // A line passes through these points, but one of them is farther away than rounding errors are allowed for.
+        assert_eq!(enclose(&[[0.0, 2.0, 0.5], [300.0, 2.0, 0.5], [2e5, 2.0, 0.5]], 0.0), None);
+        assert!(enclose(&[[0.0, 2.0, 0.5], [300.0, 2.0, 0.5], [2e4, 2.0, 0.5]], 0.0).is_some());
     }
 
     #[test]

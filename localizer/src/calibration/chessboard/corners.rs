@@ -41,7 +41,7 @@ type Picture = ImageBuffer<Luma<f32>, Vec<f32>>;
 /// Which of the outermost corners comes first is arbitrary, which changes the board's pose and not the camera.
 pub fn find(image: &GrayImage, board: &Board) -> Option<Vec<Corner>> {
     let picture = Picture::from_fn(image.width(), image.height(), |u, v| Luma([f32::from(image.get_pixel(u, v)[0])]));
-    let count = (board.columns - 1) * (board.rows - 1);
+    let count = board.columns.checked_sub(1)? * board.rows.checked_sub(1)?;
     let mut saddles = saddles(&gaussian_blur_f32(&picture, SMOOTHING_PX));
     saddles.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = saddles.get(..count)?;
@@ -113,7 +113,8 @@ fn sub_pixel(picture: &Picture, start: [f64; 2]) -> Option<[f64; 2]> {
 
 /// Assigns corners to the board's grid by the homography of the four outermost ones.
 fn on_grid(places: &[[f64; 2]], board: &Board) -> Option<Vec<Corner>> {
-    let last = [board.columns - 2, board.rows - 2].map(|last| last as f64);
+    // A board that is a single square wide has no inner corner.
+    let last = [board.columns.checked_sub(2)?, board.rows.checked_sub(2)?].map(|last| last as f64);
     let outermost = widest_quadrilateral(&hull(places))?;
     let corners = [[0.0, 0.0], [last[0], 0.0], last, [0.0, last[1]]];
     // The first of the four outermost corners is at the start of a long side of the board or of a short one, so both are tried.

@@ -89,6 +89,10 @@ fn visible_range(picture: &Picture, normal: [f64; 2], offset_px: f64, half_px: f
     for axis in 0..2 {
         // The border of the image is left out by one pixel, so that bilinear interpolation has a neighbour for each sample.
         let room = picture.centre_px[axis] - 1.0 - half_px * normal[axis].abs();
+        // No profile fits into an image that is narrower than the profile.
+        if room < 0.0 {
+            return (0.0, -1.0);
+        }
         let foot = offset_px * normal[axis];
         if along[axis].abs() < 1e-9 {
             if foot.abs() > room {

@@ -45,7 +45,7 @@ fn along_rows(input: &Picture, guide: &Picture, taps: &[f32], weighed: impl Fn(f
     let width = input.width;
     let (mut values, mut total, mut weights) =
         (Vec::with_capacity(input.values.len()), vec![0.0; width], vec![0.0; width]);
-    for (source, guide) in input.values.chunks(width).zip(guide.values.chunks(width)) {
+    for (source, guide) in input.values.chunks(width.max(1)).zip(guide.values.chunks(width.max(1))) {
         let mut sum: Vec<f32> = source.iter().map(|value| value * taps[0]).collect();
         total.fill(taps[0]);
         for (distance, tap) in taps.iter().enumerate().skip(1).take_while(|(distance, _)| *distance < width) {

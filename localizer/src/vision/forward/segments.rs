@@ -55,6 +55,10 @@ impl Segment {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for (axis, size) in [width, height].into_iter().enumerate() {
             let (least, greatest) = (border_px, size as f64 - 1.0 - border_px);
+            // An image this narrow has no inside: all of its pixels belong to the border.
+            if least > greatest {
+                return None;
+            }
             let step = b[axis] - a[axis];
             if step == 0.0 {
                 if !(least..=greatest).contains(&a[axis]) {
@@ -101,7 +105,8 @@ struct Gradients {
 
 impl Gradients {
     fn of(picture: &Picture) -> Gradients {
-        let (width, height) = (picture.width - 1, picture.height - 1);
+        // An image of a single row or column has no block of 2 × 2 pixels.
+        let (width, height) = (picture.width.saturating_sub(1), picture.height.saturating_sub(1));
         let mut gradient = Vec::with_capacity(width * height);
         for v in 0..height {
             let (top, bottom) = (&picture.values[v * picture.width..], &picture.values[(v + 1) * picture.width..]);
@@ -177,5 +182,21 @@ impl Gradients {
         }
         let at = |on: f64| [mean[0] + on * cos, mean[1] + on * sin];
         Some(Segment { ends_px: [at(least), at(greatest)] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_that_is_all_border_has_no_inside() {
+        let level = Segment { ends_px: [[0.0, 10.0], [100.0, 11.0]] };
+        // By hand: 14 px of border above and below leave nothing of 20 rows, and of 40 rows the rows 14 to 25, which the segment does not reach.
+        assert_eq!(level.within(200, 20, 14.0), None);
+        assert_eq!(level.within(200, 40, 14.0), None);
+        // With a border of 9.5 px, v = 9.5 to 10.5 remains of 21 rows. The segment is at 10.5 half-way, where u = 50.
+        let inside = level.within(101, 21, 9.5).map(|part| part.ends_px);
+        assert_eq!(inside.map(|ends_px| ends_px.map(|end| end[0])), Some([9.5, 50.0]));
     }
 }

@@ -21,7 +21,7 @@ fn noise_law(picture: &Picture) -> [f32; 2] {
     // taken two pixels apart, because neighbouring pixels that a lens map has interpolated share their noise.
     let mut samples: Vec<(f32, f32)> = picture
         .values
-        .chunks(width)
+        .chunks(width.max(1))
         .step_by(4)
         .flat_map(|row| row.windows(5).step_by(4))
         .map(|of| (0.2 * of.iter().sum::<f32>(), (of[0] - 2.0 * of[2] + of[4]).abs()))

@@ -26,8 +26,6 @@ pub struct VanishingPoints {
     pub agreeing: usize,
 }
 
-/// Least width and height of an image: a gradient needs neighbours on all sides, so that smaller images contain no segment.
-const LEAST_SIDE: usize = 3;
 /// Sine of the greatest angle between a direction and the plane through a segment and the camera at which the segment still counts as pointing in
 /// that direction: sin 1°.
 const PLANE_TOLERANCE: f64 = 0.0175;
@@ -45,9 +43,6 @@ const LEAST_GRADIENT: f32 = 4.0;
 
 /// Segments found by the chain of paper 2: equalisation, rolling guidance filter, segment detection.
 pub fn segments_in(picture: &Picture, equalisation: Equalisation) -> Vec<Segment> {
-    if picture.width.min(picture.height) < LEAST_SIDE {
-        return Vec::new();
-    }
     let bright = match equalisation {
         Equalisation::Whole => equalise::equalised(picture),
         Equalisation::ByTiles => equalise::equalised_by_tiles(picture, [8, 6], 3.0),

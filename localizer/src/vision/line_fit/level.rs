@@ -61,8 +61,12 @@ impl<'a> Level<'a> {
         upper.clear();
         for &[x, y, bound_px] in self.points {
             let (a, b) = (y - slope[0] * x, y - slope[1] * x);
-            lower.push(a.min(b) - bound_px);
-            upper.push(a.max(b) + bound_px);
+            let (least, greatest) = (a.min(b) - bound_px, a.max(b) + bound_px);
+            // No line is within a negative bound of a point.
+            if least <= greatest {
+                lower.push(least);
+                upper.push(greatest);
+            }
         }
         lower.sort_unstable_by(f64::total_cmp);
         upper.sort_unstable_by(f64::total_cmp);
