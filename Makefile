@@ -41,6 +41,7 @@ lint:
 bench: driver
 	cargo bench --profile dev -p wherein-interval --bench interval
 	cargo bench --profile dev -p wherein-interval --bench linear_program
+	cargo bench --profile dev -p wherein-localizer --bench p3p
 	cargo bench --profile dev -p wherein-localizer --bench rigid_motion
 	cargo bench --profile dev -p wherein-tests --bench speed
 
