@@ -55,8 +55,8 @@ const FARTHEST_PX: f64 = 1e5;
 /// least K points; these lines form the K-level of the arrangement of bounding lines. Over a small range of slopes each point allows one interval
 /// of `b`, so that a sweep encloses the intercepts that K points allow; ranges of slopes are bisected, and dropped where no line is left.
 ///
-/// `None` if no line is near enough to that many points, if the points are too few or too close together to bound the direction, or if one is
-/// [`FARTHEST_PX`] away or more.
+/// `None` if no line is near enough to that many points, if the points are too few or too close together to bound the direction, or if a coordinate
+/// or bound is 10⁵ px or more.
 pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
     let count = points.len();
     // The number of points that may be wrong, a share of all, is rounded down. The product is increased slightly before that, so that rounding errors
