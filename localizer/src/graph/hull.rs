@@ -2,18 +2,24 @@
 
 use interval::{
     Interval,
-    linear_program::{Solver, certified_maximum, certified_minimum},
+    linear_program::{Search, Solver, certified_maximum, certified_minimum},
 };
 
 use super::{Related, Variable};
 
+/// Steps of the solver at a time. A program takes some twelve, so that eight programs are solved within sixteen wheel readings. With four at a time,
+/// the bounds came later, and the boxes of paper 3's loop were 3 mm wider.
+const AT_ONCE: usize = 8;
+
 /// Work on the bounds of chosen quantities over all values that satisfy the rows.
 ///
-/// Each quantity needs two programs, for its least and its greatest value. They are solved one at a time, so that the caller spreads them over the
-/// steps of a drive.
+/// Each quantity needs two programs, for its least and its greatest value. They are solved one after the other, a few steps of the solver at a time, so
+/// that the caller spreads the work over the steps of a drive.
 pub struct Hull {
     related: Related,
     solver: Solver,
+    /// The work on the present program; `None` before its first step.
+    search: Option<Search>,
     /// The quantities with the indices of their variables.
     wanted: Vec<(Variable, usize)>,
     /// The bounds certified so far: the least value of the first quantity, its greatest value, the least of the second, …
@@ -25,19 +31,21 @@ impl Hull {
     pub fn new(related: Related, wanted: Vec<Variable>) -> Hull {
         let wanted = wanted.into_iter().filter_map(|variable| Some((variable, related.index(variable)?))).collect();
         let solver = Solver::new(&related.program);
-        Hull { related, solver, wanted, certified: Vec::new() }
+        Hull { related, solver, search: None, wanted, certified: Vec::new() }
     }
 
-    /// Solves the next program. Returns whether it was the last one.
+    /// Takes some steps of the solver. Returns whether the last program is solved.
     pub fn advance(&mut self) -> bool {
         let n_done = self.certified.len();
-        if let Some(&(_, index)) = self.wanted.get(n_done / 2) {
-            let program = &self.related.program;
-            let is_least = n_done.is_multiple_of(2);
-            let sign = if is_least { 1.0 } else { -1.0 };
-            let duals = self.solver.minimise(&[(index, sign)]);
+        let Some(&(_, index)) = self.wanted.get(n_done / 2) else { return true };
+        let is_least = n_done.is_multiple_of(2);
+        let sign = if is_least { 1.0 } else { -1.0 };
+        let search = self.search.get_or_insert_with(|| self.solver.begin(&[(index, sign)]));
+        if self.solver.advance(search, AT_ONCE) {
+            let duals = self.solver.duals(search);
             let certified = if is_least { certified_minimum } else { certified_maximum };
-            self.certified.push(certified(program, &[(index, 1.0)], &duals));
+            self.certified.push(certified(&self.related.program, &[(index, 1.0)], &duals));
+            self.search = None;
         }
         self.certified.len() == 2 * self.wanted.len()
     }

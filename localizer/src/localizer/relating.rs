@@ -1,8 +1,8 @@
 //! The graph of key frames in the localizer: when a reading becomes a key frame, how the work on the linear program is spread over the steps, and how
 //! the program's bounds come back to the stored poses.
 //!
-//! At each wheel reading one program is solved at most, of those for the least and the greatest x, y and heading of the latest key frame and for the
-//! heading of an older one. So the bounds apply from a fixed number of wheel readings after the key frame on, whatever the speed of the computer.
+//! At each wheel reading the solver takes a few steps on the programs for the least and the greatest x, y and heading of the latest key frame and for
+//! the heading of an older one. So the bounds apply from a number of wheel readings after the key frame on that does not depend on the computer's speed.
 
 use std::sync::Arc;
 

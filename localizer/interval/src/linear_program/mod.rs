@@ -32,4 +32,4 @@ mod solver;
 
 pub use certificate::{certified_maximum, certified_minimum, certified_minimum_despite, contradicting_rows};
 pub use program::{LinearProgram, ProgramError, Terms};
-pub use solver::Solver;
+pub use solver::{Search, Solver};

@@ -83,6 +83,13 @@ impl Solver {
     /// Duals of the program that minimises a cost, one for each row; for [`certified_minimum`](super::certified_minimum). Where no point satisfies
     /// all rows, they tend to certify that.
     pub fn minimise(&mut self, cost: &Terms) -> Vec<f64> {
+        let mut search = self.begin(cost);
+        while !self.advance(&mut search, self.most_steps) {}
+        self.duals(&search)
+    }
+
+    /// Begins to minimise a cost, for a caller that spreads the steps over time.
+    pub fn begin(&self, cost: &Terms) -> Search {
         let mut scaled = vec![0.0; self.scales.len()];
         for &(variable, coefficient) in cost {
             scaled[variable] += coefficient * self.scales[variable][1];
@@ -90,16 +97,40 @@ impl Solver {
         let largest = scaled.iter().fold(0.0, |largest: f64, one| largest.max(one.abs()));
         let unit = if largest > 0.0 { largest } else { 1.0 };
         scaled.iter_mut().for_each(|one| *one /= unit);
-        let mut state = State::new(self, scaled);
-        for _ in 0..self.most_steps {
-            if state.is_done(self) || !state.step(self) {
-                break;
+        Search { state: State::new(self, scaled), unit, n_left: self.most_steps, is_done: false }
+    }
+
+    /// Takes at most the given number of steps. Returns whether no further step brings anything.
+    pub fn advance(&mut self, search: &mut Search, n_steps: usize) -> bool {
+        for _ in 0..n_steps {
+            search.is_done |= search.n_left == 0 || search.state.is_done(self) || !search.state.step(self);
+            if search.is_done {
+                return true;
             }
+            search.n_left -= 1;
         }
+        // The last step's bound counts, too.
+        search.is_done |= search.state.is_done(self) || search.n_left == 0;
+        search.is_done
+    }
+
+    /// The duals with the best bound so far, one for each row.
+    pub fn duals(&self, search: &Search) -> Vec<f64> {
         let mut duals = vec![0.0; self.n_rows];
-        self.rows.iter().zip(&state.best.1).for_each(|(row, dual)| duals[row.row] = dual * unit / row.divisor);
+        let best = self.rows.iter().zip(&search.state.best.1);
+        best.for_each(|(row, dual)| duals[row.row] = dual * search.unit / row.divisor);
         duals
     }
+}
+
+/// The minimisation of one cost by a [`Solver`], as far as it has come.
+#[derive(Clone, Debug)]
+pub struct Search {
+    state: State,
+    /// By what the cost was divided.
+    unit: f64,
+    n_left: usize,
+    is_done: bool,
 }
 
 impl ScaledRow {
@@ -224,6 +255,7 @@ impl Bounded {
 }
 
 /// An iterate of the solver.
+#[derive(Clone, Debug)]
 struct State {
     cost: Vec<f64>,
     x: Vec<Bounded>,
