@@ -219,11 +219,7 @@ fn clearance_is_measured_from_jambs_and_from_the_walls_of_the_room_the_robot_is_
 #[test]
 fn the_grid_has_both_rooms_and_a_path_through_the_door() {
     let grid = OccupancyGrid::from_scene(&two_rooms(json!({})));
-    let is_free = |x_m: f64, y_m: f64| {
-        let [column, row] =
-            [0, 1].map(|axis| (([x_m, y_m][axis] - grid.origin_m[axis]) / grid.resolution_m).floor() as usize);
-        grid.cells[row * grid.size[0] + column] == Cell::Free
-    };
+    let is_free = |x_m: f64, y_m: f64| grid.at(grid.cell_at([x_m, y_m]).unwrap()) == Cell::Free;
     assert!(is_free(1.0, 1.0) && is_free(5.52, 1.52) && is_free(7.07, 2.97), "floors of both rooms");
     assert!(is_free(4.02, 1.52) && is_free(4.07, 1.02) && is_free(4.07, 1.97), "the floor of the door");
     assert!(!is_free(4.02, 0.52) && !is_free(4.07, 2.52), "the wall between the rooms");
@@ -237,6 +233,32 @@ fn the_grid_has_both_rooms_and_a_path_through_the_door() {
         })
         .collect();
     assert!(at_y_m.len() == 1 && (1.3 - 0.05..=1.7 + 0.05).contains(&at_y_m[0]), "{at_y_m:?}");
+}
+
+#[test]
+fn rooms_that_meet_on_a_border_of_cells_have_a_wall_on_the_grid_and_a_way_through_their_door() {
+    // Cells are 5 cm long, so that x = 4 m is a border between two of them.
+    let wall_to_wall = |doors: Value| {
+        two_rooms(json!({ "building": {
+            "room": [{ "x_m": 4.0, "y_m": 0.0, "width_m": 3.0, "depth_m": 3.0 }], "door": doors,
+        } }))
+    };
+    let free_beside_m = |scene: &Scene, x_m: f64| -> Vec<f64> {
+        let grid = OccupancyGrid::from_scene(scene);
+        let centres_m = (0..60).map(|cell| 0.05 * f64::from(cell) + 0.025);
+        centres_m.filter(|y_m| grid.at(grid.cell_at([x_m, *y_m]).unwrap()) == Cell::Free).collect()
+    };
+    let closed = wall_to_wall(json!([]));
+    assert!(free_beside_m(&closed, 3.975).is_empty() && free_beside_m(&closed, 4.025).is_empty());
+    assert!(free_beside_m(&closed, 3.925).len() == 60 && free_beside_m(&closed, 4.075).len() == 60);
+    assert_eq!(Planner::new(OccupancyGrid::from_scene(&closed), 0.1).plan([1.5, 1.5], [6.0, 1.5]), None);
+    // A door from y = 1 to 2 m leaves twenty cells free.
+    let open = wall_to_wall(json!([{ "from_m": [4.0, 1.0], "to_m": [4.0, 2.0], "open": true }]));
+    for x_m in [3.975, 4.025] {
+        let free_m = free_beside_m(&open, x_m);
+        assert!(free_m.len() == 20 && free_m.iter().all(|y_m| (1.0..2.0).contains(y_m)), "{x_m}: {free_m:?}");
+    }
+    assert!(Planner::new(OccupancyGrid::from_scene(&open), 0.1).plan([1.5, 1.5], [6.0, 1.5]).is_some());
 }
 
 #[test]

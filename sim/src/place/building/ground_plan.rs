@@ -145,7 +145,8 @@ impl GroundPlan {
         })
     }
 
-    /// Whether a square on the floor, with sides along the axes, is floor everywhere: its middle is, and no wall passes through it.
+    /// Whether a square on the floor, with sides along the axes, is floor everywhere and goes over into the squares beside it: its middle is on a
+    /// floor, no wall passes through it, and no wall along one of its sides parts it from another such square.
     pub(crate) fn leaves_square_free(&self, centre_m: [f64; 2], half_m: f64) -> bool {
         // Sums of decimal fractions are not exact, so that a wall along a side of the square does not pass through it by rounding alone.
         const ROUNDING_M: f64 = 1e-9;
@@ -153,8 +154,16 @@ impl GroundPlan {
             return (0..2)
                 .all(|axis| centre_m[axis] >= 0.0 && centre_m[axis] + half_m <= self.plan.size_m[axis] + ROUNDING_M);
         };
+        let inside = Vector2::repeat(half_m - ROUNDING_M);
+        let is_floor =
+            |centre: Vector2<f64>| rooms.contains(centre) && !rooms.feet().any(|wall| wall.crosses_box(centre, inside));
+        // The square longer by rounding along one axis and shorter along the other: a wall that touches only a corner of the square is in neither.
+        let with_sides = [Vector2::x(), Vector2::y()].map(|axis| inside + axis * (2.0 * ROUNDING_M));
         let centre = Vector2::from(centre_m);
-        rooms.contains(centre) && !rooms.feet().any(|wall| wall.crosses_square(centre, half_m - ROUNDING_M))
+        let parts_floors = |wall: &Wall| {
+            with_sides.iter().any(|half| wall.crosses_box(centre, *half)) && is_floor(wall.mirrored(centre))
+        };
+        is_floor(centre) && !rooms.feet().any(parts_floors)
     }
 
     /// The floors of rooms and of open doors, each by its corners in order, world frame.

@@ -16,9 +16,9 @@ impl OccupancyGrid {
         surveyed.unwrap_or_else(|| OccupancyGrid::from_scene(scene))
     }
 
-    /// Creates a grid of a scene's rooms, with a border of wall, and of its mapped furniture. A cell is occupied when a part of it lies
-    /// outside of all rooms and open doors, or when a piece of furniture reaches into the circle through the cell's corners, so that nothing is
-    /// mapped smaller than it is.
+    /// Creates a grid of a scene's rooms, with a border of wall, and of its mapped furniture. A cell is occupied when a part of it lies outside of
+    /// all rooms and open doors, when a wall along one of its sides parts it from a cell of another room, or when a piece of furniture reaches into
+    /// the circle through the cell's corners, so that nothing is mapped smaller than it is.
     pub fn from_scene(scene: &Scene) -> OccupancyGrid {
         let ground_plan = GroundPlan::of(scene);
         let [low_m, high_m] = ground_plan.extents_m();

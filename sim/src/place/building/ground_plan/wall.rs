@@ -57,7 +57,7 @@ impl Wall {
 
     /// Distance of the wall's foot from a square with sides along the axes.
     pub(super) fn distance_from_square_m(&self, centre: Vector2<f64>, half_m: f64) -> f64 {
-        if half_m > 0.0 && self.crosses_square(centre, half_m) {
+        if half_m > 0.0 && self.crosses_box(centre, Vector2::repeat(half_m)) {
             return 0.0;
         }
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -66,23 +66,31 @@ impl Wall {
         from_corners.into_iter().chain(from_ends).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the foot of the wall passes through a square with sides along the axes (Liang and Barsky's clipping).
-    pub(super) fn crosses_square(&self, centre: Vector2<f64>, half_m: f64) -> bool {
+    /// Whether the foot of the wall passes through a box with sides along the axes, given by half of its extents (Liang and Barsky's clipping).
+    pub(super) fn crosses_box(&self, centre: Vector2<f64>, half: Vector2<f64>) -> bool {
         let [from, to] = self.ends_m.map(|end| end - centre);
         let way = to - from;
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for axis in 0..2 {
             if way[axis] == 0.0 {
-                if from[axis].abs() >= half_m {
+                if from[axis].abs() >= half[axis] {
                     return false;
                 }
                 continue;
             }
-            let (one, other) = ((-half_m - from[axis]) / way[axis], (half_m - from[axis]) / way[axis]);
+            let (one, other) = ((-half[axis] - from[axis]) / way[axis], (half[axis] - from[axis]) / way[axis]);
             enter = enter.max(one.min(other));
             leave = leave.min(one.max(other));
         }
         enter < leave
+    }
+
+    /// The position that is as far behind the line of the wall as the given one is before it.
+    pub(super) fn mirrored(&self, at: Vector2<f64>) -> Vector2<f64> {
+        let [from, to] = self.ends_m;
+        let along = to - from;
+        let across = vector![-along.y, along.x];
+        at - across * (2.0 * across.dot(&(at - from)) / along.norm_squared().max(f64::MIN_POSITIVE))
     }
 }
 
