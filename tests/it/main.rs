@@ -139,6 +139,7 @@ mod render_puddles;
 mod render_glints;
 /// Tests that further rooms and open doors are there for the robot's body, beams, landmarks and paths, not only for cameras.
 mod rooms_felt;
+mod rooms_refused;
 /// Tests of walking people in images, row by row of a rolling shutter and at the image's border.
 mod render_walkers;
 /// Tests of cracks between rendered faces, and of light that defocus brings in from beyond the image's border.

@@ -5,7 +5,7 @@ use sim::scene::Scene;
 use crate::command::{blind_scene, folder, outcome, wherein};
 
 /// Asserts that a scene is refused with exit code 2 and a message that contains each of `parts`.
-fn assert_refused(test: &str, scene: impl AsRef<[u8]>, parts: &[&str]) {
+pub(crate) fn assert_refused(test: &str, scene: impl AsRef<[u8]>, parts: &[&str]) {
     let folder = folder(test);
     fs::write(folder.join("scene.toml"), scene).unwrap();
     let (code, stdout, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));

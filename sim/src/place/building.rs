@@ -18,8 +18,9 @@ pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};
 pub(crate) use upright_box::BoxFrame;
 pub use upright_box::UprightBox;
+pub(crate) use wall_things::LEAST_BETWEEN_DOORS_M;
 pub use walls::Enclosure;
-pub(crate) use walls::{Side, enclosures, standing_walls, wall_panels};
+pub(crate) use walls::{Side, between_doors_m, enclosures, standing_walls, wall_panels};
 
 use nalgebra::{Point3, Vector3, vector};
 

@@ -33,7 +33,7 @@ pub struct Building {
     /// Rooms besides the robot's own, which is stated as `[room]`. Where two rooms overlap there is no wall.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
-    /// Doors in walls.
+    /// Doors in walls. Between an open door and another door in its wall there are at least 14 cm of wall, for their frames.
     #[serde(rename = "door")]
     pub doors: Vec<Door>,
     /// Pictures on walls.

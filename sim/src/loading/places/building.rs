@@ -4,14 +4,19 @@ use crate::{
     devices::camera::DrawnCamera,
     loading::parse::Contradiction,
     optics::Lens,
-    place::building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
-    scene::{Lamp, LampKind, MAX_LAMPS, Scene},
+    place::building::{
+        Enclosure, LEAST_BETWEEN_DOORS_M, Side, between_doors_m, enclosures, leads_into_a_room, level, standing_walls,
+    },
+    scene::{Door, Lamp, LampKind, MAX_LAMPS, Scene},
 };
 use localizer::reading::Camera;
 use nalgebra::Point3;
 
 /// Distance outside of the robot's room up to which a lamp may be when there are further rooms.
 const SITE_M: f64 = 200.0;
+
+/// Tolerance for rounding when distances are compared, as results like 2.24 − 2.1 are not exact.
+const ROUNDING_M: f64 = 1e-9;
 
 /// All contradictions in `scene` about its building, its light and its cameras' heights and lenses.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
@@ -28,28 +33,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
                 .map(|(key, expected)| Contradiction { key: format!("lamp[{index}].{key}"), expected }),
         );
     }
-    for (index, door) in scene.building.doors.iter().enumerate() {
-        if door.from_m == door.to_m {
-            let expected = "expected another place than `from_m`, as a door has a width".to_owned();
-            found.push(Contradiction { key: format!("building.door[{index}].to_m"), expected });
-        }
-        for (key, jamb_m) in [("from_m", door.from_m), ("to_m", door.to_m)] {
-            if is_off(&walls, jamb_m) {
-                let expected = off_walls("stands", &rooms, jamb_m);
-                found.push(Contradiction { key: format!("building.door[{index}].{key}"), expected });
-            }
-        }
-        let is_placed = door.from_m != door.to_m && ![door.from_m, door.to_m].iter().any(|jamb| is_off(&walls, *jamb));
-        if door.open && is_placed && !leads_into_a_room(door, &rooms) {
-            let expected =
-                "leads into no room, expected a `[[building.room]]` behind the wall at its feet, or false".to_owned();
-            found.push(Contradiction { key: format!("building.door[{index}].open"), expected });
-        }
-        if door.height_m >= scene.building.ceiling_height_m {
-            let expected = format!("expected less than the ceiling's height, {} m", scene.building.ceiling_height_m);
-            found.push(Contradiction { key: format!("building.door[{index}].height_m"), expected });
-        }
-    }
+    doors(scene, &rooms, &walls, found);
     for (index, picture) in scene.building.pictures.iter().enumerate() {
         if picture.from_m == picture.to_m {
             let expected = "expected another place than `from_m`, as a picture has a width".to_owned();
@@ -106,6 +90,43 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         }
     }
     lenses(scene, found);
+}
+
+/// Finds doors without a width, doors off the walls, doors higher than a wall, open doors that lead nowhere, and open doors that run into others.
+fn doors(scene: &Scene, rooms: &[Enclosure], walls: &[Side], found: &mut Vec<Contradiction>) {
+    for (index, door) in scene.building.doors.iter().enumerate() {
+        if door.from_m == door.to_m {
+            let expected = "expected another place than `from_m`, as a door has a width".to_owned();
+            found.push(Contradiction { key: format!("building.door[{index}].to_m"), expected });
+        }
+        for (key, jamb_m) in [("from_m", door.from_m), ("to_m", door.to_m)] {
+            if is_off(walls, jamb_m) {
+                let expected = off_walls("stands", rooms, jamb_m);
+                found.push(Contradiction { key: format!("building.door[{index}].{key}"), expected });
+            }
+        }
+        let is_placed = door.from_m != door.to_m && ![door.from_m, door.to_m].iter().any(|jamb| is_off(walls, *jamb));
+        if door.open && is_placed && !leads_into_a_room(door, rooms) {
+            let expected =
+                "leads into no room, expected a `[[building.room]]` behind the wall at its feet, or false".to_owned();
+            found.push(Contradiction { key: format!("building.door[{index}].open"), expected });
+        }
+        if door.height_m >= scene.building.ceiling_height_m {
+            let expected = format!("expected less than the ceiling's height, {} m", scene.building.ceiling_height_m);
+            found.push(Contradiction { key: format!("building.door[{index}].height_m"), expected });
+        }
+        let is_crowded = |other: &Door| {
+            let is_near = |between_m| between_m < LEAST_BETWEEN_DOORS_M - ROUNDING_M;
+            (door.open || other.open) && between_doors_m(rooms, door, other).is_some_and(is_near)
+        };
+        if let Some(other) = scene.building.doors[..index].iter().position(is_crowded) {
+            let expected = format!(
+                "in or by building.door[{other}], expected {LEAST_BETWEEN_DOORS_M} m of wall between an open door and another \
+                 one, for their frames"
+            );
+            found.push(Contradiction { key: format!("building.door[{index}].from_m"), expected });
+        }
+    }
 }
 
 /// Greatest distance from the nearest wall of a thing that is stated to be on a wall.

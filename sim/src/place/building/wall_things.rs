@@ -7,6 +7,8 @@ use crate::scene::{Door, LampKind, Picture, Scene};
 
 /// Width of a door frame on the wall, and the length by which it stands out of the wall.
 const FRAME_M: [f64; 2] = [0.07, 0.03];
+/// Least distance between an open door and another door in the same wall: the widths of both frames.
+pub(crate) const LEAST_BETWEEN_DOORS_M: f64 = 2.0 * FRAME_M[0];
 
 /// Thin boxes on the walls: frames and leaves of doors, and bars of windows. A box that is let into a wall is halved along the wall, and only the
 /// half that stands out into a room is kept.

@@ -172,6 +172,15 @@ pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     stands.then(|| [one.min(other), one.max(other)])
 }
 
+/// Least distance along a wall between two doors that stand in it, negative where they overlap; `None` for doors in different walls.
+pub(crate) fn between_doors_m(rooms: &[Enclosure], one: &Door, other: &Door) -> Option<f64> {
+    let on_a_side = |side: Side| {
+        let [one, other] = [on_side(one, &side)?, on_side(other, &side)?];
+        Some((one[0].max(other[0]) - one[1].min(other[1])) * (side.to - side.from).norm())
+    };
+    rooms.iter().flat_map(Enclosure::sides).filter_map(on_a_side).min_by(f64::total_cmp)
+}
+
 /// The parts of the range from 0 to 1 that are left when the given gaps are taken out.
 pub(super) fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     gaps.sort_by(|one, other| one[0].total_cmp(&other[0]));

@@ -1,0 +1,46 @@
+//! Tests that buildings whose rooms and doors cannot be are refused by the key that is wrong.
+
+use crate::{
+    command::{blind_scene, folder, outcome, wherein},
+    scene_refusals::assert_refused,
+};
+
+/// A room of 3 m by 2 m with another one of the same size 10 cm beside it, and doors in the wall between them, given by the y of both jambs, the x
+/// and whether the door is open.
+fn with_doors(doors: &[([f64; 2], f64, bool)]) -> String {
+    let door = |([from_m, to_m], x_m, open): &([f64; 2], f64, bool)| {
+        format!("[[building.door]]\nfrom_m = [{x_m:?}, {from_m:?}]\nto_m = [{x_m:?}, {to_m:?}]\nopen = {open}\n")
+    };
+    let room = "[[building.room]]\nx_m = 3.1\ny_m = 0.0\nwidth_m = 3.0\ndepth_m = 2.0\n";
+    blind_scene(0.1, &(room.to_owned() + &doors.iter().map(door).collect::<String>()))
+}
+
+#[test]
+fn an_open_door_that_runs_into_another_door_is_refused() {
+    let cases = [
+        ("one jamb for two doors", [([0.2, 1.0], 3.0, true), ([1.0, 1.8], 3.0, true)]),
+        ("less wall than two frames", [([0.2, 0.9], 3.0, true), ([1.03, 1.8], 3.0, true)]),
+        ("stated on both faces of the wall", [([0.2, 1.0], 3.0, true), ([0.6, 1.4], 3.1, true)]),
+        ("stated from the other jamb", [([0.2, 1.0], 3.0, true), ([1.4, 0.6], 3.0, true)]),
+        ("a leaf in the hole", [([0.2, 1.0], 3.0, false), ([0.2, 1.0], 3.0, true)]),
+    ];
+    for (name, doors) in cases {
+        let place = name.replace(' ', "_");
+        let parts = ["`building.door[1].from_m = ", "in or by building.door[0], expected 0.14 m of wall between"];
+        assert_refused(&place, with_doors(&doors), &parts);
+    }
+}
+
+#[test]
+fn doors_with_wall_for_their_frames_between_them_are_accepted() {
+    let cases = [
+        ("frame_to_frame", with_doors(&[([0.2, 0.9], 3.0, true), ([1.04, 1.8], 3.0, true)])),
+        ("two_leaves", with_doors(&[([0.2, 1.0], 3.0, false), ([1.0, 1.8], 3.0, false)])),
+    ];
+    for (name, scene) in cases {
+        let folder = folder(name);
+        std::fs::write(folder.join("scene.toml"), scene).unwrap();
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+        assert!(code != 2, "{name}: {stderr}");
+    }
+}
