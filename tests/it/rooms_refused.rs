@@ -44,3 +44,22 @@ fn doors_with_wall_for_their_frames_between_them_are_accepted() {
         assert!(code != 2, "{name}: {stderr}");
     }
 }
+
+#[test]
+fn rooms_so_far_apart_that_the_building_is_longer_than_a_site_are_refused() {
+    let room =
+        |x_m: f64, y_m: f64| format!("[[building.room]]\nx_m = {x_m:?}\ny_m = {y_m:?}\nwidth_m = 3.0\ndepth_m = 2.0\n");
+    // From the far end of each room to the robot's, which is 3 m by 2 m with a corner at the origin: 5003 m, 10¹² m, and 198 + 3 m.
+    let cases = [
+        (room(5000.0, 0.0), "`building.room[0].x_m = 5000.0`: the building is 5003.0 m long"),
+        (room(0.0, -1e12), "`building.room[0].y_m = -1000000000000.0`"),
+        (room(100.0, 0.0) + &room(-98.0, 0.0), "`building.room[1].x_m = -98.0`: the building is 201.0 m long"),
+    ];
+    for (index, (rooms, part)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("far_{index}"), blind_scene(0.1, &rooms), &[part, "expected at most 200 m"]);
+    }
+    let folder = folder("far_enough");
+    std::fs::write(folder.join("scene.toml"), blind_scene(0.1, &(room(100.0, 0.0) + &room(-97.0, 0.0)))).unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+    assert!(code != 2, "{stderr}");
+}

@@ -30,7 +30,8 @@ pub struct Building {
     /// neither the map nor the localizer may know it.
     #[serde(skip)]
     pub(crate) turned_rad: f64,
-    /// Rooms besides the robot's own, which is stated as `[room]`. Where two rooms overlap there is no wall.
+    /// Rooms besides the robot's own, which is stated as `[room]`. Where two rooms overlap there is no wall. All rooms together are at most 200 m long
+    /// and wide.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
     /// Doors in walls. Between an open door and another door in its wall there are at least 14 cm of wall, for their frames.

@@ -12,7 +12,8 @@ use crate::{
 use localizer::reading::Camera;
 use nalgebra::Point3;
 
-/// Distance outside of the robot's room up to which a lamp may be when there are further rooms.
+/// Greatest length and width of all rooms together, which is that of the largest single room, and the distance outside of the robot's room up to
+/// which a lamp may be when there are further rooms. The occupancy grid of a building this large has 16 million cells of 5 cm.
 const SITE_M: f64 = 200.0;
 
 /// Tolerance for rounding when distances are compared, as results like 2.24 − 2.1 are not exact.
@@ -33,6 +34,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
                 .map(|(key, expected)| Contradiction { key: format!("lamp[{index}].{key}"), expected }),
         );
     }
+    distant_rooms(&rooms, found);
     doors(scene, &rooms, &walls, found);
     for (index, picture) in scene.building.pictures.iter().enumerate() {
         if picture.from_m == picture.to_m {
@@ -90,6 +92,28 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         }
     }
     lenses(scene, found);
+}
+
+/// Finds further rooms with which the building becomes longer or wider than a site.
+fn distant_rooms(rooms: &[Enclosure], found: &mut Vec<Contradiction>) {
+    let mut extents_m = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    for (index, room) in rooms.iter().enumerate() {
+        for (axis, name) in ["x_m", "y_m"].into_iter().enumerate() {
+            let [mut low_m, mut high_m] = extents_m[axis];
+            for corner in room.sides().map(|side| side.from) {
+                (low_m, high_m) = (low_m.min(corner[axis]), high_m.max(corner[axis]));
+            }
+            if high_m - low_m > SITE_M + ROUNDING_M && index > 0 {
+                let expected = format!(
+                    "the building is {:.1} m long from room to room, expected at most {SITE_M} m",
+                    high_m - low_m
+                );
+                found.push(Contradiction { key: format!("building.room[{}].{name}", index - 1), expected });
+            } else {
+                extents_m[axis] = [low_m, high_m];
+            }
+        }
+    }
 }
 
 /// Finds doors without a width, doors off the walls, doors higher than a wall, open doors that lead nowhere, and open doors that run into others.
