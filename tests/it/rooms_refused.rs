@@ -63,3 +63,31 @@ fn rooms_so_far_apart_that_the_building_is_longer_than_a_site_are_refused() {
     let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
     assert!(code != 2, "{stderr}");
 }
+
+#[test]
+fn things_and_people_may_be_in_an_open_door_but_not_in_the_wall_beside_it() {
+    // The wall is 10 cm thick, from x = 3 to 3.1 m, and its door is open from y = 0.2 to 1.2 m.
+    let with = |keys: String| with_doors(&[([0.2, 1.2], 3.0, true)]) + &keys;
+    let piece = |y_m: f64| with(format!("[[furniture]]\nx_m = 3.05\ny_m = {y_m:?}\nsize_m = [0.2, 0.2]\n"));
+    let walk = |y_m: f64| with(format!("[[person]]\nradius_m = 0.2\nwaypoints_m = [[3.05, {y_m:?}], [4.5, 1.5]]\n"));
+    for (name, scene) in [("piece_in_door", piece(0.7)), ("person_in_door", walk(0.7))] {
+        let folder = folder(name);
+        std::fs::write(folder.join("scene.toml"), scene).unwrap();
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+        assert!(code != 2, "{name}: {stderr}");
+    }
+    let told =
+        ["`furniture[0].x_m = 3.05`", "outside the room, expected a number from 0 to 3, or a place in a further room"];
+    assert_refused("piece_in_wall", piece(1.6), &told);
+    assert_refused(
+        "person_in_wall",
+        walk(1.6),
+        &["`person[0].waypoints_m", "[3.05, 1.6] is in no room and no open door"],
+    );
+    // The jamb at y = 1.2 m is 19 cm away from this place, which is in the middle of the wall's thickness.
+    assert_refused(
+        "person_by_jamb",
+        walk(1.01),
+        &["[3.05, 1.01] is a place too near to a wall, expected 0.2 m of distance"],
+    );
+}

@@ -2,7 +2,7 @@
 
 use crate::{
     loading::parse::Contradiction,
-    place::building::{Enclosure, Panel, enclosures, wall_panels},
+    place::building::{Doorway, Enclosure, GroundPlan, Panel, enclosures, wall_panels},
     scene::{Person, Scene, Station},
 };
 use nalgebra::Vector2;
@@ -16,42 +16,56 @@ const ROUNDING_M: f64 = 1e-9;
 
 /// All contradictions in `scene` about what stands and walks in the building.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
-    let rooms = enclosures(scene);
+    let (rooms, plan) = (enclosures(scene), GroundPlan::of(scene));
+    let floor = Floor { rooms: &rooms, doorways: plan.doorways() };
     for (index, furniture) in scene.furniture.iter().enumerate() {
-        found.extend(place_problem(&rooms, &format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]));
+        found.extend(place_problem(&floor, &format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]));
     }
     for (index, landmark) in scene.landmarks.iter().enumerate() {
-        found.extend(place_problem(&rooms, &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
+        found.extend(place_problem(&floor, &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
     }
     let walls = wall_panels(scene, &rooms);
     for (index, person) in scene.people.iter().enumerate() {
-        let expected = person_problem(&rooms, &walls, person).or_else(|| meets_start(scene, person));
+        let expected = person_problem(&floor, &walls, person).or_else(|| meets_start(scene, person));
         found.extend(expected.map(|expected| Contradiction { key: format!("person[{index}].waypoints_m"), expected }));
     }
 }
 
-fn place_problem(rooms: &[Enclosure], key: &str, at_m: [f64; 2]) -> Option<Contradiction> {
-    if is_in_a_room(rooms, at_m) {
+/// Where things stand and people walk: the floors of rooms, and those of the open doors between them.
+struct Floor<'a> {
+    rooms: &'a [Enclosure],
+    doorways: &'a [Doorway],
+}
+
+impl Floor<'_> {
+    fn contains(&self, at_m: [f64; 2]) -> bool {
+        is_in_a_room(self.rooms, at_m) || self.doorways.iter().any(|door| door.contains(at_m.into()))
+    }
+}
+
+fn place_problem(floor: &Floor<'_>, key: &str, at_m: [f64; 2]) -> Option<Contradiction> {
+    if floor.contains(at_m) {
         return None;
     }
+    let rooms = floor.rooms;
     let own = &rooms[0];
     let extents_m = [own.width_m, own.depth_m];
     // The coordinate axis along which the position is outside the robot's room, if there is one.
     let axis = (0..2).find(|axis| !(0.0..=extents_m[*axis]).contains(&at_m[*axis]))?;
-    let further = if rooms.len() > 1 { ", or a place in a further room" } else { "" };
+    let further = if rooms.len() > 1 { ", or a place in a further room or an open door" } else { "" };
     let expected = format!("outside the room, expected a number from 0 to {}{further}", extents_m[axis]);
     Some(Contradiction { key: format!("{key}.{}", ["x_m", "y_m"][axis]), expected })
 }
 
 /// Describes what is wrong with where a person walks: waypoints in no room, or stretches between them that come too near to a wall. Open doors leave
-/// holes in walls.
-fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Option<String> {
+/// holes in walls, between two jambs.
+fn person_problem(floor: &Floor<'_>, walls: &[Panel], person: &Person) -> Option<String> {
     let ways_m = &person.waypoints_m;
-    if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !is_in_a_room(rooms, **at_m)) {
-        return Some(format!("[{x_m}, {y_m}] is in no room, expected places within one"));
+    if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !floor.contains(**at_m)) {
+        return Some(format!("[{x_m}, {y_m}] is in no room and no open door, expected places within one"));
     }
     let stands = walls.iter().filter(|wall| wall.corner.z < person.height_m).map(foot);
-    let feet: Vec<[Vector2<f64>; 2]> = stands.collect();
+    let feet: Vec<[Vector2<f64>; 2]> = stands.chain(floor.doorways.iter().flat_map(Doorway::jambs)).collect();
     let is_near = |way: [[f64; 2]; 2]| {
         let way = way.map(Vector2::from);
         feet.iter().any(|foot| distance_m(way, *foot) < person.radius_m - ROUNDING_M)

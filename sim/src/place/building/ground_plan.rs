@@ -223,14 +223,14 @@ impl Rooms {
             let of_room = |room: &Enclosure| room.sides().find_map(|side| Some(feet(&side, on_side(door, &side)?)));
             let sills: Vec<[Vector2<f64>; 2]> = rooms.iter().filter_map(of_room).collect();
             if let [[left, right], [back_right, back_left], ..] = sills[..] {
-                let jambs = [[left, back_left], [back_right, right]];
-                walls.extend(jambs.map(|ends_m| Wall {
+                let doorway = Doorway { corners_m: [left, right, back_right, back_left], height_m: door.height_m };
+                walls.extend(doorway.jambs().map(|ends_m| Wall {
                     ends_m,
                     between_m: [0.0, door.height_m],
                     room: None,
                     is_corner: [false; 2],
                 }));
-                doorways.push(Doorway { corners_m: [left, right, back_right, back_left], height_m: door.height_m });
+                doorways.push(doorway);
             }
         }
         Rooms { rooms, walls, doorways }
@@ -270,8 +270,14 @@ impl Rooms {
 }
 
 impl Doorway {
+    /// The feet of the door's two jambs, each by its ends in the one room and in the other.
+    pub(crate) fn jambs(&self) -> [[Vector2<f64>; 2]; 2] {
+        let [left, right, back_right, back_left] = self.corners_m;
+        [[left, back_left], [back_right, right]]
+    }
+
     /// Whether a position is in the doorway, whose corners go round either way.
-    fn contains(&self, at: Vector2<f64>) -> bool {
+    pub(crate) fn contains(&self, at: Vector2<f64>) -> bool {
         let turns = (0..4).map(|index| {
             let (from, to) = (self.corners_m[index], self.corners_m[(index + 1) % 4]);
             (to - from).perp(&(at - from))
