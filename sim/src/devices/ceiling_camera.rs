@@ -2,19 +2,22 @@
 
 use interval::Interval;
 use localizer::{
-    Map, Method, RobotModel,
+    Claim, Map, Method, RobotModel,
     bounds::{self, Assumption},
+    markers::dot_in_marker_m,
     methods::ceiling_markers::CeilingMarkers,
+    reading::Camera,
     robot::CeilingCameraModel,
 };
 
 use crate::{
     optics::AutoExposure,
-    scene::{CameraKeys, CeilingCamera, Distribution, MethodName, Scene},
+    place::drawn::DrawnMarker,
+    scene::{CameraKeys, CeilingCamera, Distribution, Marker, MethodName, Scene},
 };
 
 use super::{
-    Device, ToldKey,
+    Device, Surroundings, ToldKey, WatchedBound,
     camera::{CalibrationBounds, DrawnCamera},
     relative,
 };
@@ -48,6 +51,34 @@ impl Device for CeilingCamera {
 
     fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
         BOUNDS.constants(&self.calibration, self, drawn)
+    }
+
+    /// Where the markers that are claimed in a picture were pasted, how they were rotated, how they were printed, and how high they hang.
+    fn surroundings(&self, _drawn: &DrawnCamera, scene: &Scene, surroundings: &Surroundings<'_>) -> Vec<WatchedBound> {
+        let Some(markers) = &scene.markers else { return Vec::new() };
+        let names =
+            [bounds::MARKERS_PLACEMENT, bounds::MARKERS_ROTATION, bounds::MARKERS_PRINT, bounds::MARKERS_HEIGHT];
+        let mut all = names.map(WatchedBound::new);
+        let declared = [
+            markers.placement_tolerance_m,
+            markers.rotation_tolerance_deg.to_radians(),
+            markers.print_tolerance_m,
+            markers.height_tolerance_m,
+        ];
+        for look in surroundings.looks_of(Camera::Ceiling) {
+            for claim in look.claims {
+                let Claim::Marker { marker: id, .. } = claim else { continue };
+                let pasted = surroundings.place.markers.iter().filter(|drawn| drawn.id == *id);
+                let stated = pasted.filter_map(|drawn| Some((markers.all().get(drawn.index)?, drawn)));
+                for (marker, drawn) in stated.filter(|(marker, _)| marker.on_map) {
+                    let errors = errors_of(marker, drawn, markers.height_m(marker, scene));
+                    for ((watched, declared), error) in all.iter_mut().zip(declared).zip(errors) {
+                        watched.compare(look.span_s(), declared, error);
+                    }
+                }
+            }
+        }
+        all.into()
     }
 
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
@@ -86,4 +117,25 @@ impl CeilingCamera {
             q_items: self.q_items,
         }
     }
+}
+
+/// Errors of a marker: distance of its centre, its angle, the greatest distance of a dot from its place in the grid, and its height.
+fn errors_of(marker: &Marker, drawn: &DrawnMarker, nominal_height_m: f64) -> [f64; 4] {
+    let [x_m, y_m] = drawn.centre_m;
+    let turned = drawn.rotation_rad - marker.rotation_deg.to_radians();
+    let (sin, cos) = drawn.rotation_rad.sin_cos();
+    let off_m = drawn.dots.iter().map(|dot| {
+        let [along_m, across_m] = dot_in_marker_m(dot.place);
+        let [dot_x_m, dot_y_m] = [x_m + cos * along_m - sin * across_m, y_m + sin * along_m + cos * across_m];
+        (dot.centre_in_world.x - dot_x_m).hypot(dot.centre_in_world.y - dot_y_m)
+    });
+    // A tolerance of 0 is valid: an error that comes from rounding must not exceed it.
+    const ROUNDING: f64 = 1e-12;
+    let errors = [
+        (x_m - marker.x_m).hypot(y_m - marker.y_m),
+        turned.sin().atan2(turned.cos()).abs(),
+        off_m.fold(0.0, f64::max),
+        (drawn.height_m - nominal_height_m).abs(),
+    ];
+    errors.map(|error| (error - ROUNDING).max(0.0))
 }

@@ -5,18 +5,20 @@ use localizer::{
     Map, Method, RobotModel,
     bounds::{self, Assumption},
     methods::floor_tiles::{Chain, FloorTiles},
+    reading::Camera,
     robot::FloorCameraModel,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, vector};
 
 use crate::{
+    place::building::GroundPlan,
     scene::{CameraKeys, Distribution, FloorCamera, FloorTilesChain, MethodName, Scene},
     truth::randomness::{draw_tilt, draw_within, stream},
 };
 
 use super::{
-    Device, ToldKey,
-    camera::{DrawnCamera, Off},
+    Device, Surroundings, ToldKey, WatchedBound,
+    camera::{DrawnCamera, Off, world_from_camera},
     relative,
 };
 
@@ -71,6 +73,30 @@ impl Device for FloorCamera {
         ]
     }
 
+    /// Offset of the joints in view from their nominal places, their angle and their bend.
+    fn surroundings(&self, drawn: &DrawnCamera, scene: &Scene, surroundings: &Surroundings<'_>) -> Vec<WatchedBound> {
+        let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &surroundings.place.tiles) else { return Vec::new() };
+        let names = [bounds::FLOOR_TILES_LAYING, bounds::FLOOR_TILES_LAYING_ANGLE, bounds::FLOOR_TILES_STRAIGHTNESS];
+        let mut all = names.map(WatchedBound::new);
+        let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+        let floor_m = GroundPlan::of(scene).extents_m();
+        let declared = [
+            tiles.laying_tolerance_m + tiles.corner_tolerance_m,
+            2.0 * tiles.laying_tolerance_m / shortest_m,
+            tiles.corner_tolerance_m,
+        ];
+        for look in surroundings.looks_of(Camera::Floor) {
+            // The point on the floor below the camera.
+            let below_m = world_from_camera(look.truth, drawn).translation.vector;
+            let errors = laid.errors_near(tiles, floor_m, [below_m.x, below_m.y], self.half_diagonal_m());
+            let off = [errors.offset_m, errors.angle_rad, errors.bend_m];
+            for ((watched, declared), off) in all.iter_mut().zip(declared).zip(off) {
+                watched.compare(look.span_s(), declared, off);
+            }
+        }
+        all.into()
+    }
+
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
         let nominal_pixels_per_m = self.pixels_per_m();
         vec![
@@ -85,6 +111,12 @@ impl Device for FloorCamera {
 }
 
 impl FloorCamera {
+    /// Half of the diagonal of the floor that a picture shows.
+    fn half_diagonal_m(&self) -> f64 {
+        let height_m = self.footprint_width_m * f64::from(self.height_px) / f64::from(self.width_px);
+        0.5 * self.footprint_width_m.hypot(height_m)
+    }
+
     /// The model of the floor camera that the localizer is given.
     pub(crate) fn model(&self) -> FloorCameraModel {
         let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);

@@ -11,7 +11,7 @@ use localizer::{
 use crate::scene::{CameraKeys, Distribution, ForwardCamera, MethodName, Scene, WallDirectionsChain};
 
 use super::{
-    Device, ToldKey,
+    Device, Surroundings, ToldKey, WatchedBound,
     camera::{CalibrationBounds, DrawnCamera},
     relative,
 };
@@ -59,6 +59,22 @@ impl Device for ForwardCamera {
 
     fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
         BOUNDS.constants(&self.calibration, self, drawn)
+    }
+
+    /// The angle between the directions of walls on the map and the true ones, and the angle by which the piece of furniture that stands most askew
+    /// is turned.
+    fn surroundings(&self, _drawn: &DrawnCamera, scene: &Scene, surroundings: &Surroundings<'_>) -> Vec<WatchedBound> {
+        let (place, setup) = (surroundings.place, scene.localizer.wall_directions());
+        let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(place));
+        let askew_deg = scene.furniture_askew_deg(place).into_iter().map(f64::abs).fold(0.0, f64::max);
+        let degrees = [
+            (bounds::WALL_DIRECTIONS_DIRECTION, setup.tolerance_deg, off_deg),
+            (bounds::WALL_DIRECTIONS_ASKEW, setup.askew_deg, askew_deg),
+        ];
+        let watched = |(bound, declared_deg, true_deg): (_, f64, f64)| {
+            WatchedBound::throughout(bound, declared_deg.to_radians(), true_deg.to_radians(), surroundings)
+        };
+        degrees.map(watched).into()
     }
 
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {

@@ -16,6 +16,7 @@ pub mod gnss;
 pub mod gyro;
 pub mod proximity;
 pub mod range_camera;
+mod surroundings;
 mod told_key;
 
 use std::fmt::Debug;
@@ -32,6 +33,7 @@ use crate::{
     truth::Truth,
 };
 
+pub use surroundings::{Look, Surroundings, WatchedBound};
 pub(crate) use told_key::{ToldKey, Widens};
 
 /// A kind of device of the robot, such as a sensor, implemented for the keys by which a scene describes it.
@@ -69,6 +71,17 @@ pub trait Device {
 
     /// The device's declared bounds on values that stay the same over a run, each with its name, the declared value and the true value.
     fn constants(&self, drawn: &Self::Drawn, scene: &Scene) -> Vec<(Assumption, f64, f64)>;
+
+    /// The declared bounds on the robot's surroundings that the localizer relies on when it uses the device's readings, compared with what truly
+    /// stands there.
+    fn surroundings(
+        &self,
+        _drawn: &Self::Drawn,
+        _scene: &Scene,
+        _surroundings: &Surroundings<'_>,
+    ) -> Vec<WatchedBound> {
+        Vec::new()
+    }
 
     /// The keys of the device in a scene that state a bound for the localizer.
     fn told_keys(&mut self) -> Vec<ToldKey<'_>>;
@@ -173,6 +186,17 @@ macro_rules! define {
                     && device.is_relied_on(scene)
                 {
                     all.extend(device.constants(drawn, scene));
+                })+
+                all
+            }
+
+            /// Every declared bound on the robot's surroundings, for the devices that the scene's localizer relies on.
+            pub(crate) fn surroundings(&self, scene: &Scene, surroundings: &Surroundings<'_>) -> Vec<WatchedBound> {
+                let mut all = Vec::new();
+                $(if let (Some(device), Some(drawn)) = (&scene.robot.$name, &self.$name)
+                    && device.is_relied_on(scene)
+                {
+                    all.extend(device.surroundings(drawn, scene, surroundings));
                 })+
                 all
             }

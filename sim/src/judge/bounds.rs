@@ -1,14 +1,15 @@
 //! Compares every declared bound with the true value behind it.
 
-mod markers;
 mod monitor;
 mod motion;
-mod tiles;
-mod walls;
 
 use std::collections::BTreeSet;
 
-use crate::{run::RunRecord, scene::Scene};
+use crate::{
+    devices::{Look, Surroundings, WatchedBound},
+    run::RunRecord,
+    scene::Scene,
+};
 
 use super::verdict::Violation;
 use monitor::Monitor;
@@ -34,10 +35,24 @@ fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         constants.into_iter().map(|(bound, declared, true_value)| constant(record, bound, declared, true_value)),
     );
     all.extend(of_readings(record));
-    all.extend(tiles::monitors(scene, record));
-    all.extend(markers::monitors(scene, record));
-    all.extend(walls::monitors(scene, record));
+    all.extend(of_surroundings(scene, record));
     all
+}
+
+/// Monitors of the bounds on the robot's surroundings, which the devices compare with what truly stands there.
+fn of_surroundings(scene: &Scene, record: &RunRecord) -> impl Iterator<Item = Monitor> {
+    let looks = record.images.iter().map(|image| Look {
+        camera: image.camera,
+        truth: &image.truth,
+        arrived_s: image.arrived_s,
+        claims: &image.claims,
+    });
+    let surroundings = Surroundings { place: &record.drawn.place, end_s: end_s(record), looks: looks.collect() };
+    record.drawn.devices.surroundings(scene, &surroundings).into_iter().map(|WatchedBound { bound, checks }| {
+        let mut monitor = Monitor::new(bound);
+        checks.iter().for_each(|check| monitor.watch(check.span_s, check.declared, check.true_value));
+        monitor
+    })
 }
 
 /// Monitors of the bounds that are checked reading by reading, such as those on stamps and noise.
@@ -53,8 +68,12 @@ fn of_readings(record: &RunRecord) -> impl Iterator<Item = Monitor> {
 
 /// Makes a monitor of a bound on a value that is the same over the whole run.
 fn constant(record: &RunRecord, bound: &'static str, declared: f64, true_value: f64) -> Monitor {
-    let end_s = record.truths.last().map_or(0.0, |truth| truth.time_s);
     let mut monitor = Monitor::new(bound);
-    monitor.watch([0.0, end_s], declared, true_value);
+    monitor.watch([0.0, end_s(record)], declared, true_value);
     monitor
+}
+
+/// Time at which the run ended.
+fn end_s(record: &RunRecord) -> f64 {
+    record.truths.last().map_or(0.0, |truth| truth.time_s)
 }

@@ -93,16 +93,14 @@ pub fn wall_line_deg(
     truth: &Truth,
 ) -> Option<f64> {
     let planes = sight_planes(ends_px, bound_px, scene, drawn, truth)?;
-    let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
-    let stands_deg = scene.true_wall_directions_deg(&drawn.place).into_iter().chain(scene.stated_wall_directions_deg());
-    stands_deg.flat_map(along_or_across).find(|heading_deg| {
-        let askew_deg = scene.localizer.wall_directions().askew_deg;
-        let directions = [-askew_deg, askew_deg].map(|off_deg| {
-            let (sin, cos) = (heading_deg + off_deg).to_radians().sin_cos();
+    let edges = scene.level_edges(&drawn.place).into_iter().find(|edges| {
+        let directions = edges.within_deg.map(|direction_deg| {
+            let (sin, cos) = direction_deg.to_radians().sin_cos();
             Vector3::new(cos, sin, 0.0)
         });
         may_hold(&planes, &directions)
-    })
+    });
+    edges.map(|edges| edges.direction_deg)
 }
 
 /// Normals, in the world frame, of four planes through the forward camera. Each plane contains an image line that passes each end of the claimed line

@@ -36,11 +36,32 @@ fn leaves_places(scene: &Scene, turn_deg: f64) -> bool {
     })
 }
 
+/// A direction along which level edges in the building run, measured from world x.
+pub(crate) struct LevelEdges {
+    /// The direction of a wall, or at right angles to it.
+    pub(crate) direction_deg: f64,
+    /// Least and greatest direction of an edge of furniture that stands along the wall.
+    pub(crate) within_deg: [f64; 2],
+}
+
 impl Scene {
     /// Directions of the walls as they truly stand, measured from world x, modulo 90°: those of the robot's room, then those of each
     /// further room.
     pub fn true_wall_directions_deg(&self, drawn: &DrawnPlace) -> Vec<f64> {
         self.stated_wall_directions_deg().into_iter().map(|stated_deg| stated_deg + drawn.walls_turn_deg).collect()
+    }
+
+    /// The directions along which level edges in the building may truly run: along walls and at right angles to them, up to the angle by which
+    /// furniture may stand askew. Directions of walls are the true ones; those of furniture and of what is laid on the floor are as the scene states
+    /// them.
+    pub(crate) fn level_edges(&self, drawn: &DrawnPlace) -> Vec<LevelEdges> {
+        let askew_deg = self.localizer.wall_directions().askew_deg;
+        let stands_deg = self.true_wall_directions_deg(drawn).into_iter().chain(self.stated_wall_directions_deg());
+        let edges = |direction_deg: f64| LevelEdges {
+            direction_deg,
+            within_deg: [direction_deg - askew_deg, direction_deg + askew_deg],
+        };
+        stands_deg.flat_map(|along_deg| [along_deg, along_deg + 90.0]).map(edges).collect()
     }
 
     /// Angle of each piece of furniture, as it truly stands, to the nearest wall direction, stated or true, modulo quarter turns. It is
