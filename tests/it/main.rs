@@ -5,6 +5,8 @@
 mod command;
 /// Helper that runs the judge on a run that a test has made.
 mod judging;
+/// Helpers that read source files as text.
+mod source_text;
 
 /// Tests of interval contractors and pavings on problems worked out by hand.
 mod contractor_by_hand;
@@ -139,6 +141,7 @@ mod render_puddles;
 mod render_glints;
 /// Tests that further rooms and open doors are there for the robot's body, beams, landmarks and paths, not only for cameras.
 mod rooms_felt;
+/// Tests of rooms and doors that cannot be, which are refused by the key that is wrong.
 mod rooms_refused;
 /// Tests of walking people in images, row by row of a rolling shutter and at the image's border.
 mod render_walkers;

@@ -3,14 +3,16 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
-    path::Path,
 };
 
 use localizer::bounds;
 
-use crate::command::root;
+use crate::{
+    command::root,
+    source_text::{code, module_of, named, walk, without_names_of_streams},
+};
 
-/// For each module below the root of a crate: the modules that its files name by `crate::`, each with a file that names it.
+/// For each module below the root of a crate: the modules at the root that its files name, each with a file that names it.
 type Uses = BTreeMap<String, BTreeMap<String, String>>;
 
 fn uses(sources: &str) -> Uses {
@@ -19,68 +21,19 @@ fn uses(sources: &str) -> Uses {
     let mut uses = Uses::new();
     walk(&folder, &mut |path, text| {
         let below = path.strip_prefix(&folder).unwrap();
-        let module = below.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
+        let module = module_of(below);
         // The library's root and the program's main file may name every module, and no module names them.
-        if ["lib", "main"].contains(&module.as_str()) {
+        if ["lib", "main"].contains(&module[0].as_str()) {
             return;
         }
-        for name in named(&code(text)) {
+        for name in named(&code(text), &module) {
             let other = exported.get(&name).unwrap_or(&name).clone();
-            if other != module {
-                uses.entry(module.clone()).or_default().entry(other).or_insert(below.display().to_string());
+            if other != module[0] {
+                uses.entry(module[0].clone()).or_default().entry(other).or_insert(below.display().to_string());
             }
         }
     });
     uses
-}
-
-fn walk(folder: &Path, see: &mut dyn FnMut(&Path, &str)) {
-    let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.sort();
-    for path in paths {
-        if path.is_dir() {
-            walk(&path, see);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            see(&path, &fs::read_to_string(&path).unwrap());
-        }
-    }
-}
-
-/// The part of a source file that is compiled into the library: without comments, and without the unit tests, which are at the end of a file.
-fn code(text: &str) -> String {
-    let before_tests = text.split("\n#[cfg(test)]\n").next().unwrap();
-    before_tests.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
-}
-
-/// The first name of every path from the root of the crate, including those in a group in braces.
-fn named(code: &str) -> BTreeSet<String> {
-    let name = |text: &str| {
-        text.trim_start().chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
-    };
-    let mut names = BTreeSet::new();
-    for rest in code.split("crate::").skip(1) {
-        let Some(group) = rest.strip_prefix('{') else {
-            names.insert(name(rest));
-            continue;
-        };
-        let (mut depth, mut begins) = (1, true);
-        for (at, letter) in group.char_indices() {
-            if begins && depth == 1 && !letter.is_whitespace() && letter != '}' {
-                names.insert(name(&group[at..]));
-                begins = false;
-            }
-            match letter {
-                '{' => depth += 1,
-                '}' => depth -= 1,
-                ',' => begins = depth == 1,
-                _ => {}
-            }
-            if depth == 0 {
-                break;
-            }
-        }
-    }
-    names
 }
 
 /// Names that a library's root re-exports, each with the module that it comes from.
@@ -135,9 +88,9 @@ fn bounds_are_named_by_their_table_and_nowhere_else() {
             if path.ends_with("localizer/src/bounds.rs") {
                 return;
             }
-            // The name of a bound must not occur as text in the sources. Calls of `stream` are exempt: a stream of random numbers may have the name
-            // of the bound that limits its numbers.
-            for line in code(text).lines().filter(|line| !line.contains("stream(")) {
+            // The name of a bound must not occur as text in the sources, but for the name of a stream of random numbers, which may be that of the
+            // bound that limits its numbers.
+            for line in without_names_of_streams(&code(text)).lines() {
                 let named = bounds::ALL.iter().find(|bound| line.contains(&format!("\"{}\"", bound.name)));
                 assert_eq!(named, None, "{}: {line}", path.display());
             }
@@ -164,8 +117,6 @@ fn a_circle_through_three_modules_is_found() {
     ]);
     assert_eq!(circle(&uses).unwrap(), "a names b in a.rs; b names c in b/one.rs; c names a in c.rs; ");
     assert_eq!(circle(&Uses::from([("a".to_owned(), to("b", "a.rs")), ("c".to_owned(), to("a", "c.rs"))])), None);
-    let code = "use crate::{\n    d::{E, f},\n    g::H,\n};\nfn i() -> crate::j::K {}";
-    assert_eq!(named(code), ["d", "g", "j"].map(str::to_owned).into());
 }
 
 /// The number that follows the first occurrence of `before` in a file of the simulator's sources.
