@@ -1,7 +1,8 @@
+use localizer::baselines::SOLVERS;
 use sim::{
-    judge::{METRICS, Verdict, judge},
+    judge::{Verdict, judge, metric_names},
     render::Renderer,
-    run::{RunRecord, run_otherwise},
+    run::{BASELINES, RunRecord, run_otherwise},
     scene::Scene,
     subject::{IntervalLocalizer, SubjectOf},
 };
@@ -23,7 +24,12 @@ pub(crate) fn verdict_of_subject(scene: &Scene, record: &RunRecord, subject_of: 
     });
     let verdict = verdict.unwrap();
     // Every metric that a run measures must be in the list of metrics that a scene may state expectations of.
-    let unknown: Vec<&String> = verdict.metrics.keys().filter(|name| !METRICS.contains(&name.as_str())).collect();
+    let unknown: Vec<&String> =
+        verdict.metrics.keys().filter(|name| !metric_names().any(|known| known == *name)).collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
+    // So must every method to compare with be in the list of their names.
+    let is_known = |name: &str| BASELINES.contains(&name) || SOLVERS.iter().any(|(solver, _)| *solver == name);
+    let unknown: Vec<&String> = verdict.baselines.keys().filter(|name| !is_known(name)).collect();
     assert!(unknown.is_empty(), "{unknown:?}");
     verdict
 }

@@ -121,6 +121,13 @@ pub(crate) fn without_names_of_streams(code: &str) -> String {
     kept + rest
 }
 
+/// Every name in a piece of code and every word of its texts, in small letters and without underscores, so that `AbC`, `ab_c` and `AB_C` are the
+/// same.
+pub(crate) fn words(code: &str) -> BTreeSet<String> {
+    let squeezed = |word: &str| word.replace('_', "").to_lowercase();
+    code.split(|letter| !is_of_a_name(letter)).filter(|word| !word.is_empty()).map(squeezed).collect()
+}
+
 #[test]
 fn only_comments_and_the_block_of_unit_tests_are_no_code() {
     let text = "use a;\n#[cfg(test)]\nmod trial;\nuse b;\n// use c;\nfn d() {}\n\n#[cfg(test)]\n#[allow(e)]\nmod tests {\n    use f;\n}\nfn g() {}\n";

@@ -5,11 +5,16 @@ use std::{
     fs,
 };
 
-use localizer::bounds;
+use localizer::{baselines::SOLVERS, bounds};
+use serde_json::Value;
+use sim::{
+    run::{BASELINES, ForwardBaselines, MarkerBaselines},
+    scene::schema_text,
+};
 
 use crate::{
     command::root,
-    source_text::{code, module_of, named, walk, without_names_of_streams},
+    source_text::{code, module_of, named, walk, without_names_of_streams, words},
 };
 
 /// For each module below the root of a crate: the modules at the root that its files name, each with a file that names it.
@@ -79,6 +84,23 @@ fn no_module_of_a_crate_knows_itself_by_way_of_others() {
 #[test]
 fn a_scene_is_keys_and_knows_nothing_that_is_made_of_them() {
     assert_eq!(uses("sim/src").get("scene"), None);
+}
+
+#[test]
+fn the_judge_names_no_method_and_no_baseline() {
+    let schema: Value = serde_json::from_str(&schema_text()).unwrap();
+    let methods = schema["$defs"]["MethodName"]["oneOf"].as_array().unwrap().iter();
+    let methods: Vec<&str> = methods.map(|method| method["const"].as_str().unwrap()).collect();
+    assert!(methods.len() >= 5 && methods.contains(&"floor_tiles"), "{methods:?}");
+    let figures = MarkerBaselines::FIGURES.into_iter().chain(ForwardBaselines::FIGURES);
+    let baselines = BASELINES.into_iter().chain(SOLVERS.map(|(name, _)| name)).chain(figures);
+    let names: Vec<String> = methods.into_iter().chain(baselines).map(|name| name.replace('_', "")).collect();
+    walk(&root().join("sim/src/judge"), &mut |path, text| {
+        for word in words(&code(text)) {
+            let known = names.iter().find(|name| word.contains(*name));
+            assert_eq!(known, None, "{} has `{word}`", path.display());
+        }
+    });
 }
 
 #[test]

@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::scene::{Expect, conform::nearest};
+use crate::{
+    run::{ForwardBaselines, MarkerBaselines},
+    scene::{Expect, conform::nearest},
+};
 
 use super::{Baseline, ErrorTable, Verdict, figures::figures};
 
@@ -22,8 +25,8 @@ const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception
 /// Placeholder for the names in a summary that depend on the run, such as those of methods: in the list of known figures any one name matches `*`.
 const ANY_NAME: &str = "*";
 
-/// Names of all figures that a summary's table `metrics` may hold; a run has those of the things that it measures.
-pub const METRICS: [&str; 48] = [
+/// Names of the figures of a summary's table `metrics` that are about the localizer under test and its run.
+const OF_THE_RUN: [&str; 40] = [
     "arrival_error_greatest_m",
     "arrival_error_mean_m",
     "arrival_estimate_greatest_m",
@@ -36,7 +39,6 @@ pub const METRICS: [&str; 48] = [
     "collisions",
     "distance_m",
     "errands",
-    "feature_matches_median",
     "goals_missed",
     "goals_reached",
     "heading_error_max_deg",
@@ -51,17 +53,10 @@ pub const METRICS: [&str; 48] = [
     "markers_in_view",
     "markers_misread",
     "markers_read_share",
-    "nearest_marker_confidence_heading_correlation",
-    "nearest_marker_confidence_position_correlation",
-    "nearest_marker_misread",
-    "nearest_marker_read_share",
     "path_deviation_greatest_m",
     "path_deviation_p95_m",
     "recovering_share",
     "replans",
-    "vanishing_point_error_median_deg",
-    "vanishing_point_error_p95_deg",
-    "vanishing_point_share",
     "waited_s",
     "wall_fix_contained_share",
     "wall_fix_error_max_deg",
@@ -73,6 +68,11 @@ pub const METRICS: [&str; 48] = [
     "wall_spoilt_images_max",
     "wall_wrong_share_max",
 ];
+
+/// Names of all figures that a summary's table `metrics` may hold; a run has those of the things that it measures.
+pub fn metric_names() -> impl Iterator<Item = &'static str> {
+    OF_THE_RUN.into_iter().chain(MarkerBaselines::FIGURES).chain(ForwardBaselines::FIGURES)
+}
 
 impl Expect {
     /// Checks `summary` against the limits that the scene states as its expectations. Returns one line for each limit that is missed: the figure's
@@ -179,7 +179,7 @@ fn blank_summary() -> Value {
         availability: Some(0.0),
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
         baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),
-        metrics: METRICS.map(|name| (name.to_owned(), 0.0)).into(),
+        metrics: metric_names().map(|name| (name.to_owned(), 0.0)).collect(),
         verdict: Default::default(),
     };
     // The keys of a verdict are texts, so that serialising it cannot fail.

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 
 use localizer::{Claim, reading::Camera};
 
-use crate::run::RunRecord;
+use crate::run::{ForwardBaselines, RunRecord};
 
 use super::{claims::FalseClaims, methods::held_claims, share};
 
@@ -48,11 +48,12 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
     let paper = &record.forward_baselines;
     let mut paper_off_rad = paper.errors_rad.clone();
     let mut matches: Vec<f64> = paper.matches.iter().map(|&count| count as f64).collect();
+    let [matches_median, found_share, off_median_deg, off_p95_deg] = ForwardBaselines::FIGURES;
     BTreeMap::from([
-        ("feature_matches_median".to_owned(), quantile(&mut matches, 0.5)),
-        ("vanishing_point_share".to_owned(), share(paper.errors_rad.len(), paper.n_asked)),
-        deg("vanishing_point_error_median_deg", quantile(&mut paper_off_rad, 0.5)),
-        deg("vanishing_point_error_p95_deg", quantile(&mut paper_off_rad, 0.95)),
+        (matches_median.to_owned(), quantile(&mut matches, 0.5)),
+        (found_share.to_owned(), share(paper.errors_rad.len(), paper.n_asked)),
+        deg(off_median_deg, quantile(&mut paper_off_rad, 0.5)),
+        deg(off_p95_deg, quantile(&mut paper_off_rad, 0.95)),
         ("wall_wrong_share_max".to_owned(), wrong_share_max),
         ("wall_spoilt_images_max".to_owned(), spoilt as f64),
         ("wall_images".to_owned(), images.len() as f64),

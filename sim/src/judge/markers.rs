@@ -16,7 +16,7 @@ use crate::{
         drawn::{DrawnMarker, markers::DOT_RADIUS_M},
         sight::Obstacles,
     },
-    run::{ImageRecord, PaperAnswer, RunRecord},
+    run::{ImageRecord, MarkerBaselines, PaperAnswer, RunRecord},
     scene::Scene,
     truth::Truth,
     world::Drawn,
@@ -112,18 +112,19 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     }
     let counts = marker_counts(scene, record);
     let share = |part: usize, whole: usize| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
+    let [read_share, misread, by_position, by_heading] = MarkerBaselines::FIGURES;
     let mut metrics = BTreeMap::from([
         ("marker_images".to_owned(), counts.images as f64),
         ("marker_images_read_share".to_owned(), share(counts.images_read, counts.images_with_marker)),
         ("markers_in_view".to_owned(), counts.in_view as f64),
         ("markers_read_share".to_owned(), share(counts.read, counts.in_view)),
         ("markers_misread".to_owned(), counts.misread as f64),
-        ("nearest_marker_read_share".to_owned(), share(counts.paper_read, counts.images_with_marker)),
-        ("nearest_marker_misread".to_owned(), counts.paper_misread as f64),
+        (read_share.to_owned(), share(counts.paper_read, counts.images_with_marker)),
+        (misread.to_owned(), counts.paper_misread as f64),
     ]);
     let correlations = confidence_correlations(&record.marker_baselines.answers);
-    for (name, correlation) in ["position", "heading"].into_iter().zip(correlations) {
-        metrics.extend(correlation.map(|value| (format!("nearest_marker_confidence_{name}_correlation"), value)));
+    for (name, correlation) in [by_position, by_heading].into_iter().zip(correlations) {
+        metrics.extend(correlation.map(|value| (name.to_owned(), value)));
     }
     metrics
 }

@@ -17,7 +17,7 @@ mod verdict;
 pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
-pub use expectations::METRICS;
+pub use expectations::metric_names;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
 pub(crate) use statistics::{SETTLED_S, midpoint};
@@ -33,7 +33,7 @@ use localizer::{Pose, Status};
 
 use crate::{
     render::RenderError,
-    run::{Counterfactual, PaperAnswer, RunRecord},
+    run::{Counterfactual, RunRecord, Told},
     scene::Scene,
 };
 use claims::FalseClaims;
@@ -61,7 +61,7 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
-    let baselines = baselines(record, &truths);
+    let baselines = baselines(record);
     let mut verdict = Verdict {
         containment,
         judgements,
@@ -84,48 +84,19 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     Ok(verdict)
 }
 
-/// A function that takes a baseline's pose from the answers of the marker baselines (point estimates from ceiling markers) to one picture.
-type ToldPose = fn(&PaperAnswer) -> Option<Pose>;
-
-/// The figures of the baselines: odometry alone, and other methods on the same readings.
-fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> {
-    let point = |poses: &[Pose]| {
-        let known = truths.get(truths.len() - poses.len()..).unwrap_or_default();
-        Baseline { error: Some(statistics::errors(poses, known)), ..Baseline::default() }
+/// The figures of the methods to compare with, by their names.
+fn baselines(record: &RunRecord) -> BTreeMap<String, Baseline> {
+    let figures = |told: &Told<'_>| match told {
+        Told::Poses(poses, truths) => {
+            Baseline { error: Some(statistics::errors(poses, truths)), ..Baseline::default() }
+        }
+        Told::Boxes(answers) => {
+            let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };
+            let width = BaselineWidth { at_fix: statistics::fix_width(&answers.hulls) };
+            Baseline { error: None, containment: Some(containment), width: Some(width) }
+        }
     };
-    let mut baselines = BTreeMap::from([("odometry".to_owned(), point(&record.odometry))]);
-    for (name, poses) in &record.motion_baselines.poses {
-        baselines.insert((*name).to_owned(), point(poses));
-    }
-    let range = &record.range_baselines;
-    let of_range = [
-        ("least_squares", &range.svd),
-        ("closest_points", &range.icp),
-        ("ransac", &range.ransac),
-        ("gated_icp", &range.gated_icp),
-    ];
-    for (name, poses) in of_range {
-        if !poses.is_empty() {
-            baselines.insert(name.to_owned(), point(poses));
-        }
-    }
-    let by_markers: [(&str, ToldPose); 2] =
-        [("nearest_marker", |answer| Some(answer.fix?.pose)), ("vertical_known", |answer| answer.upright)];
-    for (name, told) in by_markers {
-        let answers = record.marker_baselines.answers.iter();
-        let fixed: (Vec<Pose>, Vec<Pose>) = answers.filter_map(|answer| Some((told(answer)?, answer.truth))).unzip();
-        if !fixed.0.is_empty() {
-            let error = Some(statistics::errors(&fixed.0, &fixed.1));
-            baselines.insert(name.to_owned(), Baseline { error, ..Baseline::default() });
-        }
-    }
-    baselines.extend(range.solvers.iter().map(|(name, answers)| {
-        let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };
-        let width = BaselineWidth { at_fix: statistics::fix_width(&answers.hulls) };
-        let solver = Baseline { error: None, containment: Some(containment), width: Some(width) };
-        ((*name).to_owned(), solver)
-    }));
-    baselines
+    record.baselines().iter().map(|answers| (answers.name.to_owned(), figures(&answers.told))).collect()
 }
 
 /// Share of the steps at which the localizer doubts no assumption (its status is sound), its boxes hold the truth, and the box around them is

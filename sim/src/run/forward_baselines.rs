@@ -28,6 +28,15 @@ pub struct ForwardBaselines {
 }
 
 impl ForwardBaselines {
+    /// Names of the figures of paper 2's vision in a summary: median number of features matched between two pictures, share of the pictures of
+    /// which a vanishing point gave a heading, and the median and 95 % quantile of that heading's error.
+    pub const FIGURES: [&str; 4] = [
+        "feature_matches_median",
+        "vanishing_point_share",
+        "vanishing_point_error_median_deg",
+        "vanishing_point_error_p95_deg",
+    ];
+
     /// Takes in a picture from the forward camera, taken at the given true heading. Returns the direction of the walls in the robot's frame as
     /// paper 2's vision chain found it, if the picture is one of those evaluated.
     pub(super) fn observe(

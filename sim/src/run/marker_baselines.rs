@@ -10,6 +10,11 @@ use localizer::{
     methods::ceiling_markers::paper::{self, PaperFix},
 };
 
+/// Name of paper 5's pipeline, which reads the marker nearest to the image's centre.
+pub(super) const NEAREST_MARKER: &str = "nearest_marker";
+/// Name of the fit to all markers, given the direction of the vertical.
+pub(super) const VERTICAL_KNOWN: &str = "vertical_known";
+
 /// Results of the pipeline of paper 5 on the ceiling pictures of one run.
 #[derive(Clone, Debug, Default)]
 pub struct MarkerBaselines {
@@ -34,7 +39,37 @@ pub struct PaperAnswer {
     pub upright: Option<Pose>,
 }
 
+/// The pose that one of the two methods gives for a picture, taken from the answers of both.
+type ToldPose = fn(&PaperAnswer) -> Option<Pose>;
+
 impl MarkerBaselines {
+    /// Names of the figures of paper 5's pipeline in a summary: share of the pictures that it read rightly, number that it misread, and the
+    /// correlations of its confidence with its errors in position and in heading.
+    pub const FIGURES: [&str; 4] = [
+        "nearest_marker_read_share",
+        "nearest_marker_misread",
+        "nearest_marker_confidence_position_correlation",
+        "nearest_marker_confidence_heading_correlation",
+    ];
+
+    /// The poses of both methods by their names, each with the true pose at the same time; a method that read no picture is left out.
+    pub(super) fn named(&self) -> Vec<(&'static str, Vec<(Pose, Pose)>)> {
+        let told: [(&str, ToldPose); 2] =
+            [(NEAREST_MARKER, |answer| Some(answer.fix?.pose)), (VERTICAL_KNOWN, |answer| answer.upright)];
+        let fixes = |told: ToldPose| -> Vec<(Pose, Pose)> {
+            self.answers.iter().filter_map(|answer| Some((told(answer)?, answer.truth))).collect()
+        };
+        let named = told.into_iter().map(|(name, told)| (name, fixes(told)));
+        named.filter(|(_, fixes)| !fixes.is_empty()).collect()
+    }
+
+    /// Mean time in microseconds that each method took for one picture, by the method's name; empty where there was no picture.
+    pub(crate) fn solve_us(&self) -> Vec<(&'static str, f64)> {
+        let mean_us = |spent_s: f64| 1e6 * spent_s / self.answers.len() as f64;
+        let all = [(NEAREST_MARKER, self.spent_s), (VERTICAL_KNOWN, self.spent_upright_s)];
+        all.into_iter().filter(|_| !self.answers.is_empty()).map(|(name, spent_s)| (name, mean_us(spent_s))).collect()
+    }
+
     /// Gives a picture to the paper's pipeline and to the fit with a known vertical, and keeps their answers.
     pub(super) fn observe(&mut self, image: &GrayImage, map: &Map, robot: &RobotModel, truth: Pose) {
         let Some(markers) = &map.markers else { return };

@@ -1,5 +1,6 @@
 //! The closed loop of a run: world, sensors, localizer under test, driver and recorder, step by step.
 
+mod baselines;
 mod clearance;
 mod counterfactual;
 mod forward_baselines;
@@ -26,6 +27,7 @@ use crate::{
     world::{Drawn, World},
 };
 
+pub use baselines::{BASELINES, BaselineAnswers, Told};
 pub use clearance::Clearance;
 pub use counterfactual::{Change, Counterfactual};
 pub use forward_baselines::ForwardBaselines;

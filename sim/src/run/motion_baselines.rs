@@ -8,9 +8,20 @@ use localizer::{
 
 use crate::scene::{MethodName, Scene};
 
+/// Name of dead reckoning by wheels and gyroscope.
+pub(super) const WHEELS_AND_GYRO: &str = "wheels_and_gyro";
+/// Name of dead reckoning by wheels or flow sensor, as paper 2 decides between them.
+pub(super) const SLIP_DECISION: &str = "slip_decision";
+/// Name of dead reckoning by wheels and gyroscope that learns the gyroscope's bias at rest.
+pub(super) const GYRO_AT_REST: &str = "gyro_at_rest";
+/// Name of dead reckoning by flow sensor and gyroscope.
+pub(super) const FLOW_AND_GYRO: &str = "flow_and_gyro";
+/// Name of paper 2's whole system.
+pub(super) const POSE_GRAPH: &str = "pose_graph";
+
 /// Threshold and weight of paper 2's decision that the wheels slip. The threshold of 1 mm over 0.1 s is a difference of 4 % at 0.25 m/s:
 /// the encoders' steps of 0.3 mm and a scale error of 0.3 % stay below it. The paper states neither number.
-const SLIP_DECISION: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 0.9 };
+const SLIPS: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 0.9 };
 
 /// Poses by dead reckoning at every step of the record. There are none for a robot without a gyroscope, nor for one that neither has a
 /// flow sensor nor is led along its route.
@@ -31,20 +42,20 @@ impl MotionBaselines {
         let (mut running, mut papers) = (Vec::new(), 0);
         if let (Some(gyro), true) = (robot.gyro, robot.flow.is_some() || scene.is_led()) {
             let reckoning = |way| DeadReckoning::new(scene.nominal_start(), robot.wheels.clone(), gyro, way);
-            running.push(("wheels_and_gyro", reckoning(Way::Wheels)));
+            running.push((WHEELS_AND_GYRO, reckoning(Way::Wheels)));
             if let Some(flow) = robot.flow {
-                running.push(("slip_decision", reckoning(Way::Decided(flow, SLIP_DECISION))));
+                running.push((SLIP_DECISION, reckoning(Way::Decided(flow, SLIPS))));
             }
             papers = running.len() - 1;
-            running.push(("gyro_at_rest", reckoning(Way::Wheels).with_gyro_at_rest()));
+            running.push((GYRO_AT_REST, reckoning(Way::Wheels).with_gyro_at_rest()));
             if let Some(flow) = robot.flow {
-                running.push(("flow_and_gyro", reckoning(Way::Flow(flow)).with_gyro_at_rest()));
+                running.push((FLOW_AND_GYRO, reckoning(Way::Flow(flow)).with_gyro_at_rest()));
             }
         }
         let looks = scene.localizer.methods.contains(&MethodName::WallDirections);
         let corrected =
             (looks && !running.is_empty()).then(|| (papers, CorrectedReckoning::new(scene.nominal_start())));
-        let names = running.iter().map(|(name, _)| *name).chain(corrected.iter().map(|_| "pose_graph"));
+        let names = running.iter().map(|(name, _)| *name).chain(corrected.iter().map(|_| POSE_GRAPH));
         MotionBaselines { poses: names.map(|name| (name, Vec::new())).collect(), running, corrected }
     }
 

@@ -16,6 +16,17 @@ use localizer::{
     robot::{RangeCameraModel, WheelModel},
 };
 
+/// Name of least squares with known correspondences.
+pub(super) const LEAST_SQUARES: &str = "least_squares";
+/// Name of iterative closest point without correspondences.
+pub(super) const CLOSEST_POINTS: &str = "closest_points";
+/// Name of weighted least squares over the correspondences that agree with each other.
+pub(super) const RANSAC: &str = "ransac";
+/// Name of iterative closest point with a predicted pose and a gate on the matches.
+pub(super) const GATED_ICP: &str = "gated_icp";
+/// Name of the formulas in paper 3's Table IV as printed.
+pub(super) const TABLE_IV_PRINTED: &str = "table_iv_printed";
+
 /// Interval, in readings of a drive, at which the problem of finding the pose from one reading is given to the interval solvers. With more
 /// problems, set inversion would take most of a drive's computing time.
 const EVERY: usize = 10;
@@ -123,6 +134,17 @@ impl RangeBaselines {
         self.boxes = account.landmarks.iter().copied().collect();
     }
 
+    /// The poses of each point method by its name, at the last steps of the run; none before the first reading.
+    pub(super) fn named(&self) -> Vec<(&'static str, &Vec<Pose>)> {
+        let all = [
+            (LEAST_SQUARES, &self.svd),
+            (CLOSEST_POINTS, &self.icp),
+            (RANSAC, &self.ransac),
+            (GATED_ICP, &self.gated_icp),
+        ];
+        all.into_iter().filter(|(_, poses)| !poses.is_empty()).collect()
+    }
+
     /// Forgets the poses but keeps the maps, because the robot was put at another place.
     pub(super) fn restart(&mut self) {
         self.with_codes.fixed = None;
@@ -154,7 +176,7 @@ impl RangeBaselines {
         for (name, solver) in SOLVERS {
             self.solvers.entry(name).or_default().note(truth, || solve(solver, &pairs, &prior));
         }
-        let printed = self.solvers.entry("table_iv_printed").or_default();
+        let printed = self.solvers.entry(TABLE_IV_PRINTED).or_default();
         printed.note(truth, || vec![printed_table_iv(&pairs, &prior)]);
     }
 }

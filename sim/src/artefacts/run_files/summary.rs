@@ -92,11 +92,7 @@ impl Timing {
         let solvers = record.range_baselines.solvers.iter();
         let mut solve_us: BTreeMap<&str, f64> =
             solvers.map(|(name, answers)| (*name, 1e6 * answers.spent_s / answers.problems as f64)).collect();
-        let paper = &record.marker_baselines;
-        if !paper.answers.is_empty() {
-            solve_us.insert("nearest_marker", 1e6 * paper.spent_s / paper.answers.len() as f64);
-            solve_us.insert("vertical_known", 1e6 * paper.spent_upright_s / paper.answers.len() as f64);
-        }
+        solve_us.extend(record.marker_baselines.solve_us());
         Timing {
             duration_s: duration_s(record),
             images: record.images.len(),
