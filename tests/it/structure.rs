@@ -41,13 +41,22 @@ fn uses(sources: &str) -> Uses {
     uses
 }
 
-/// Names that a library's root re-exports, each with the module that it comes from.
+/// Names that a library's root exports, each with the module that it comes from; a module comes from itself.
 fn exported(lib: &str) -> BTreeMap<String, String> {
     let mut exported = BTreeMap::new();
-    for line in lib.lines().filter_map(|line| line.strip_prefix("pub use ")) {
-        let Some((module, names)) = line.trim_end_matches(';').split_once("::") else { continue };
-        for name in names.trim_matches(['{', '}']).split(',') {
-            exported.insert(name.trim().to_owned(), module.to_owned());
+    for statement in code(lib).split(';') {
+        let Some((_, public)) = statement.split_once("pub ") else { continue };
+        if let Some(module) = public.strip_prefix("mod ") {
+            exported.insert(module.to_owned(), module.to_owned());
+            continue;
+        }
+        let path = public.strip_prefix("use ").unwrap_or_else(|| panic!("neither a module nor a re-export: {public}"));
+        let (module, _) = path.split_once("::").unwrap();
+        // The last name of each path; what ends with two colons is the beginning of a group.
+        for name in path.split([',', '{', '}']).filter(|path| !path.trim().is_empty() && !path.ends_with("::")) {
+            let name = name.rsplit("::").next().unwrap().rsplit(" as ").next().unwrap().trim();
+            assert_ne!(name, "*", "{path} does not say what it exports");
+            exported.insert(name.to_owned(), module.to_owned());
         }
     }
     exported
@@ -84,6 +93,28 @@ fn no_module_of_a_crate_knows_itself_by_way_of_others() {
 #[test]
 fn a_scene_is_keys_and_knows_nothing_that_is_made_of_them() {
     assert_eq!(uses("sim/src").get("scene"), None);
+}
+
+#[test]
+fn the_simulator_is_a_list_of_at_most_18_entries() {
+    let entries: Vec<_> =
+        fs::read_dir(root().join("sim/src")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(entries.len() <= 18, "{entries:?}");
+}
+
+#[test]
+fn the_root_of_the_localizer_exports_at_most_40_names_and_nothing_unnamed() {
+    let names = exported(&fs::read_to_string(root().join("localizer/src/lib.rs")).unwrap());
+    assert!(names.contains_key("Localizer") && names.contains_key("methods") && names.len() <= 40, "{names:?}");
+}
+
+#[test]
+fn each_name_that_a_root_exports_is_counted() {
+    let lib = "//! pub use z::*;\npub mod a;\nmod b;\n#[doc(inline)]\npub use b::{\n    C,\n    d::{E, F as G},\n};\npub use a::H;\n";
+    let names: Vec<(String, String)> = exported(lib).into_iter().collect();
+    let expected = [("C", "b"), ("E", "b"), ("G", "b"), ("H", "a"), ("a", "a")];
+    assert_eq!(names, expected.map(|(name, module)| (name.to_owned(), module.to_owned())));
+    assert!(std::panic::catch_unwind(|| exported("mod b;\npub use b::*;\n")).is_err());
 }
 
 #[test]
