@@ -19,7 +19,7 @@ use super::{
     row::{axes, dot},
 };
 
-/// The rows along world x and y of the flow sensor's way from key frame number `from` to number `to`. `share_error` says whether the error of the
+/// The rows along world x and y of the flow sensor's way from key frame number `from` to number `to`. `shares_error` says whether the error of the
 /// place at the first key frame is the same as in the way before. `scale_change` is the share by which the sensor's scale varies.
 pub fn flow_rows(
     way: &FlowWay,

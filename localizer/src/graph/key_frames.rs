@@ -108,8 +108,8 @@ impl KeyFrames {
         self.frames.len().checked_sub(2).map_or(Interval::EMPTY, |before| self.frames[before].pose[2])
     }
 
-    /// Adds a key frame with a later stamp than all others, in place of the latest one if that is near to the one before. `pose` encloses the pose at
-    /// its stamp. The way to it is not known yet.
+    /// Adds a key frame with a later stamp than all others. It takes the place of the latest one where the key frame before that is near. `pose`
+    /// encloses the pose at its stamp. The way to it is not known yet.
     pub fn push(&mut self, stamp_s: f64, pose: PoseBox, stray: Stray, relations: Option<Arc<dyn Relations>>) {
         if self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= APART_S) {
             self.frames.pop_back();

@@ -83,11 +83,12 @@ impl Link {
         let heading = Variable::Pose(middle, 2);
         let join = |a: &Row, b: &Row| {
             let left = a.coefficient(heading) + b.coefficient(heading);
-            // Shares of the gyroscope's rows that cancel the heading, and between them the bias.
-            let [by_before, by_after] = [
-                -left * (after.span_s / total_s) / turn_before.coefficient(heading),
-                -left * (before.span_s / total_s) / turn_after.coefficient(heading),
-            ];
+            // Shares of the gyroscope's rows that cancel the heading, and between them the bias. A heading that is known exactly is in no row.
+            let share = |turn: &Row, other_s: f64| match turn.coefficient(heading) {
+                0.0 => 0.0,
+                coefficient => -left * (other_s / total_s) / coefficient,
+            };
+            let (by_before, by_after) = (share(turn_before, after.span_s), share(turn_after, before.span_s));
             Row::sum(&[(1.0, a), (1.0, b), (by_before, turn_before), (by_after, turn_after)], dropped, domain)
         };
         let has = |source: usize| before.displacements[source].is_some() || after.displacements[source].is_some();

@@ -31,6 +31,7 @@ const AWAITED: usize = 10;
 /// Number of key frames after which the heading of an older one is bounded once more, with all that was read since: what is not linear in the rows
 /// about it grows with the heading's interval.
 const SMOOTHED: usize = 15;
+
 /// The key frames, and the work on the program of the latest one.
 pub(super) struct Graph {
     frames: KeyFrames,

@@ -163,7 +163,8 @@ impl Sum<'_> {
         // The path of the step, and its parts along the sensor's axes.
         let (metres, change) = (model.metres_per_count.hi(), model.scale_change);
         let lost = std::f64::consts::SQRT_2 * model.quantisation_counts;
-        let path_m = (metres * (counts[0].hypot(counts[1]) + lost) + step.excess_m) / (1.0 - change);
+        let excess_m = std::f64::consts::SQRT_2 * step.excess_m;
+        let path_m = (metres * (counts[0].hypot(counts[1]) + lost) + excess_m) / (1.0 - change);
         way.path_m += path_m;
         let counted_m = counts.map(|counts| (counts.abs() + model.quantisation_counts) * metres);
         let varied_m =
