@@ -1,6 +1,7 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use serde_json::Value;
+use sim::campaign::sweep::write_whole;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
@@ -123,4 +124,23 @@ fn a_reading_of_the_range_camera_is_drawn_where_the_landmark_is() {
         blue > red.saturating_add(20)
     };
     assert!(is_blue(at(2.03, 0.5)) && is_blue(at(1.97, 0.5)) && !is_blue(at(2.4, 0.5)) && !is_blue(at(2.0, -0.5)));
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_never_replaced_and_a_link_stays_a_link() {
+    use std::os::unix::{fs::FileTypeExt, fs::symlink, net::UnixListener};
+
+    let folder = folder("no_file");
+    let (socket, file, link) = (folder.join("socket"), folder.join("file.txt"), folder.join("link.txt"));
+    // A socket stands for a device: it exists, is no file, and cannot be written to.
+    let _listener = UnixListener::bind(&socket).unwrap();
+    assert!(write_whole(&socket, b"text").is_err());
+    assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
+    fs::write(&file, "before").unwrap();
+    symlink(&file, &link).unwrap();
+    write_whole(&link, b"after").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(fs::read_to_string(&file).unwrap(), "after");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 3, "nothing half-written is left");
 }

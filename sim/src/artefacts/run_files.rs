@@ -127,16 +127,21 @@ pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), Reco
     Ok(())
 }
 
-/// Puts a text in the place of the file `path`, which need not exist: completely or, when that fails, not at all. A file that exists keeps its
-/// permissions.
-pub(crate) fn replace_file(path: &Path, text: &str) -> Result<(), RecordError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".{name}-{}{PARTIAL}", process::id()));
-    let written = naming("write", &partial, fs::write(&partial, text)).and_then(|()| {
-        if let Ok(before) = fs::metadata(path) {
+/// Puts bytes in the place of the file `path`, which need not exist: completely or, when that fails, not at all. A file that exists keeps its
+/// permissions, and a link goes on to name its file. What exists and is no file, such as a device or a pipe, is written to as it is.
+pub(crate) fn replace_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), RecordError> {
+    let before = fs::metadata(path).ok();
+    if before.as_ref().is_some_and(|before| !before.is_file()) {
+        return naming("write", path, fs::write(path, bytes));
+    }
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let partial = target.with_file_name(format!(".{name}-{}{PARTIAL}", process::id()));
+    let written = naming("write", path, fs::write(&partial, bytes)).and_then(|()| {
+        if let Some(before) = before {
             naming("keep the permissions of", path, fs::set_permissions(&partial, before.permissions()))?;
         }
-        naming("create", path, fs::rename(&partial, path))
+        naming("create", path, fs::rename(&partial, &target))
     });
     if written.is_err() {
         // The error that is returned says what is wrong.

@@ -162,14 +162,7 @@ pub fn case_folder(folder: &Path, id: &str) -> PathBuf {
 
 /// Writes a file completely or not at all.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".{name}-{}.partial", process::id()));
-    let written = naming("write", path, fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)));
-    if written.is_err() {
-        // An error of removing the partial file is ignored, as the error of writing already says what is wrong.
-        let _ = fs::remove_file(&partial);
-    }
-    written
+    run_files::replace_file(path, bytes)
 }
 
 fn lock(folder: &Path) -> Result<File, SweepError> {
