@@ -250,6 +250,50 @@ mod tests {
     }
 
     #[test]
+    fn a_bias_of_the_gyroscope_cancels_between_two_known_headings() {
+        // An arc of 1 m that turns by 0.1 rad in 2 s, with counts of a micrometre and all else exact but the gyroscope's bias, which is at the end of
+        // its interval: the turn that is read is 0.12 rad.
+        let exact = crate::robot::FlowModel {
+            position_m: [Interval::ZERO; 2],
+            metres_per_count: Interval::point(1e-6),
+            yaw_rad: Interval::ZERO,
+            scale_change: 0.0,
+            ..flow()
+        };
+        let biased = crate::robot::GyroModel {
+            bias_rad_per_s: Interval::new(-0.01, 0.01),
+            scale: Interval::ONE,
+            noise_rad_per_s: 0.0,
+            angle_floor_rad: f64::INFINITY,
+            ..crate::graph::trial::gyro(true)
+        };
+        let mut history = crate::motion::WheelHistory::new(60.0).with_gyro(biased).with_flow(exact);
+        for step in 0..=200_u32 {
+            history.push_flow(0.01 * f64::from(step), [5000 * i64::from(step), 0], 0);
+            history.push_rate(0.01 * f64::from(step), 0.05 + 0.01);
+        }
+        let mut domain = Domain::default();
+        let end = [10.0 * 0.1_f64.sin(), 10.0 * (1.0 - 0.1_f64.cos()), 0.1];
+        for (frame, pose) in [[0.0; 3], end].into_iter().enumerate() {
+            (0..3).for_each(|axis| domain.put(Variable::Pose(frame, axis), Interval::point(pose[axis])));
+            (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), Interval::centred(0.0, 1e-6)));
+        }
+        let constants = [
+            (Constant::GyroScale, 1.0),
+            (Constant::FlowMetresPerCount, 1e-6),
+            (Constant::FlowYaw, 0.0),
+            (Constant::FlowPosition(0), 0.0),
+            (Constant::FlowPosition(1), 0.0),
+        ];
+        constants.iter().for_each(|&(one, at)| domain.put(Variable::Constant(one), Interval::point(at)));
+        let way = history.flow_way(0.0, 2.0, Interval::ZERO, &wheels(), &reach()).unwrap();
+        for row in flow_rows(&way, [0, 1], true, 0.0, &domain) {
+            // Half of the square of 0.02 rad, and what the heading may bend between readings, times 1 m on either side.
+            assert!(row.sides.contains(0.0) && row.sides.width() < 0.0012, "{row:?}");
+        }
+    }
+
+    #[test]
     fn a_straight_way_is_known_to_its_scale_and_two_counts() {
         // 2 s at 0.2 m/s along world x with counts of 0.1 mm: apart from the varying scale, 0.4 % of 0.4 m, and from the error of the place at both
         // ends, less than 0.1 mm is left along the way.
