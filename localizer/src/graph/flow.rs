@@ -191,17 +191,35 @@ mod tests {
         }
     }
 
+    /// A flow sensor of which all but its counts is known exactly.
+    fn exactly(metres_per_count: f64) -> crate::robot::FlowModel {
+        crate::robot::FlowModel {
+            position_m: [Interval::ZERO; 2],
+            metres_per_count: Interval::point(metres_per_count),
+            yaw_rad: Interval::ZERO,
+            scale_change: 0.0,
+            ..flow()
+        }
+    }
+
+    /// A domain with the constants of that flow sensor, and with a gyroscope of scale 1.
+    fn exact_constants(metres_per_count: f64) -> Domain {
+        let mut domain = Domain::default();
+        let constants = [
+            (Constant::GyroScale, 1.0),
+            (Constant::FlowMetresPerCount, metres_per_count),
+            (Constant::FlowYaw, 0.0),
+            (Constant::FlowPosition(0), 0.0),
+            (Constant::FlowPosition(1), 0.0),
+        ];
+        constants.iter().for_each(|&(one, at)| domain.put(Variable::Constant(one), Interval::point(at)));
+        domain
+    }
+
     #[test]
     fn an_error_of_the_place_that_lengthens_one_way_shortens_the_next() {
         // All is exact but the counts of 0.1 mm. The robot drives 100.9 counts along x in 0.1 s, of which 100 are counted, and 99.1 in the next 0.1
         // s, by whose end 200 are counted.
-        let exact = crate::robot::FlowModel {
-            position_m: [Interval::ZERO; 2],
-            metres_per_count: Interval::point(1e-4),
-            yaw_rad: Interval::ZERO,
-            scale_change: 0.0,
-            ..flow()
-        };
         let still = crate::robot::GyroModel {
             bias_rad_per_s: Interval::ZERO,
             scale: Interval::ONE,
@@ -210,13 +228,13 @@ mod tests {
             angle_rad_per_s: 0.0,
             ..crate::graph::trial::gyro(true)
         };
-        let mut history = crate::motion::WheelHistory::new(60.0).with_gyro(still).with_flow(exact);
+        let mut history = crate::motion::WheelHistory::new(60.0).with_gyro(still).with_flow(exactly(1e-4));
         for step in 0..=20_u32 {
             let counts = if step <= 10 { 10.09 * f64::from(step) } else { 100.9 + 9.91 * f64::from(step - 10) };
             history.push_flow(0.01 * f64::from(step), [(counts + 1e-9).floor() as i64, 0], 0);
             history.push_rate(0.01 * f64::from(step), 0.0);
         }
-        let mut domain = Domain::default();
+        let mut domain = exact_constants(1e-4);
         for (frame, x_m) in [0.0, 0.010_09, 0.02].into_iter().enumerate() {
             [x_m, 0.0, 0.0].into_iter().enumerate().for_each(|(axis, at)| {
                 domain.put(Variable::Pose(frame, axis), Interval::point(at));
@@ -224,14 +242,6 @@ mod tests {
             domain.put(Variable::GyroAngle(frame), Interval::ZERO);
             (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), Interval::centred(0.0, 1e-4)));
         }
-        let constants = [
-            (Constant::GyroScale, 1.0),
-            (Constant::FlowMetresPerCount, 1e-4),
-            (Constant::FlowYaw, 0.0),
-            (Constant::FlowPosition(0), 0.0),
-            (Constant::FlowPosition(1), 0.0),
-        ];
-        constants.iter().for_each(|&(one, at)| domain.put(Variable::Constant(one), Interval::point(at)));
         for at in 0..2 {
             let span_s = [0.1 * at as f64, 0.1 * (at + 1) as f64];
             let way = history.flow_way(span_s[0], span_s[1], Interval::ZERO, &wheels(), &reach()).unwrap();
@@ -253,13 +263,6 @@ mod tests {
     fn a_bias_of_the_gyroscope_cancels_between_two_known_headings() {
         // An arc of 1 m that turns by 0.1 rad in 2 s, with counts of a micrometre and all else exact but the gyroscope's bias, which is at the end of
         // its interval: the turn that is read is 0.12 rad.
-        let exact = crate::robot::FlowModel {
-            position_m: [Interval::ZERO; 2],
-            metres_per_count: Interval::point(1e-6),
-            yaw_rad: Interval::ZERO,
-            scale_change: 0.0,
-            ..flow()
-        };
         let biased = crate::robot::GyroModel {
             bias_rad_per_s: Interval::new(-0.01, 0.01),
             scale: Interval::ONE,
@@ -267,25 +270,17 @@ mod tests {
             angle_floor_rad: f64::INFINITY,
             ..crate::graph::trial::gyro(true)
         };
-        let mut history = crate::motion::WheelHistory::new(60.0).with_gyro(biased).with_flow(exact);
+        let mut history = crate::motion::WheelHistory::new(60.0).with_gyro(biased).with_flow(exactly(1e-6));
         for step in 0..=200_u32 {
             history.push_flow(0.01 * f64::from(step), [5000 * i64::from(step), 0], 0);
             history.push_rate(0.01 * f64::from(step), 0.05 + 0.01);
         }
-        let mut domain = Domain::default();
+        let mut domain = exact_constants(1e-6);
         let end = [10.0 * 0.1_f64.sin(), 10.0 * (1.0 - 0.1_f64.cos()), 0.1];
         for (frame, pose) in [[0.0; 3], end].into_iter().enumerate() {
             (0..3).for_each(|axis| domain.put(Variable::Pose(frame, axis), Interval::point(pose[axis])));
             (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), Interval::centred(0.0, 1e-6)));
         }
-        let constants = [
-            (Constant::GyroScale, 1.0),
-            (Constant::FlowMetresPerCount, 1e-6),
-            (Constant::FlowYaw, 0.0),
-            (Constant::FlowPosition(0), 0.0),
-            (Constant::FlowPosition(1), 0.0),
-        ];
-        constants.iter().for_each(|&(one, at)| domain.put(Variable::Constant(one), Interval::point(at)));
         let way = history.flow_way(0.0, 2.0, Interval::ZERO, &wheels(), &reach()).unwrap();
         for row in flow_rows(&way, [0, 1], true, 0.0, &domain) {
             // Half of the square of 0.02 rad, and what the heading may bend between readings, times 1 m on either side.

@@ -91,11 +91,7 @@ impl GyroHistory {
         let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
         let bend_rad = sums.bend_rad * self.model.scale.magnitude();
         let summed = sums.summed(&self.model).inflate(bend_rad);
-        Some(GyroTurn {
-            by_reading_rad: sums.by_reading(&self.model).inflate(bend_rad),
-            by_span_rad: sums.by_span(&self.model).inflate(bend_rad),
-            summed_rad: summed,
-        })
+        Some(GyroTurn { by_reading_rad: sums.by_reading(&self.model).inflate(bend_rad), summed_rad: summed })
     }
 
     /// Nominal turns from each stamp to the next by the gyroscope, with bounds on their errors; `None` before the first reading has arrived.

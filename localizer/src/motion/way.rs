@@ -52,8 +52,6 @@ pub struct Way {
 pub struct GyroTurn {
     /// With the mean bias of this span, when the noise of each reading is bounded on its own.
     pub by_reading_rad: Interval,
-    /// With the bias of the whole run and the declared bound on the accumulated angle error; unbounded where no such bound is declared.
-    pub by_span_rad: Interval,
     /// The readings' sum: scale·turn + bias·span + u(end) − u(start) is within this interval, where bias is that of the whole run. The angle error
     /// accumulated since the run's start is u(t) + v(t): |u| is at most half of the constant part of the bound `gyro.angle`, and v changes by at most
     /// the bound's other part per second. The change of v is within this interval.
