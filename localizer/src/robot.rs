@@ -74,6 +74,11 @@ pub struct BodyModel {
     pub clearance_m: f64,
 }
 
+/// Greatest length of the Cayley vector tan(α/2)·axis of a tilt by an angle α up to the given one.
+pub fn cayley_radius(tilt_rad: f64) -> f64 {
+    (Interval::point(tilt_rad) * 0.5).tan().hi()
+}
+
 /// Model of the camera that looks straight down at the floor. Image up is robot forward, image right is robot right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorCameraModel {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use interval::Interval;
 
-use crate::{PoseBox, RobotModel, reading::LandmarkId};
+use crate::{PoseBox, RobotModel, markers::MarkerId, reading::LandmarkId, robot::cayley_radius};
 
 /// A quantity that the rows of the graph relate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -17,8 +17,17 @@ pub enum Variable {
     GyroAngle(usize),
     /// Error of the flow sensor's place by its counts at a key frame, along world x (0) or y (1).
     FlowPlace(usize, usize),
+    /// Lean of the body at a key frame, as a component of its Cayley vector along x (0) or y (1) of the robot frame.
+    BodyTilt(usize, usize),
     /// Coordinate of a landmark in the world: x (0) or y (1).
     Landmark(LandmarkId, usize),
+    /// Distance of a ceiling marker from its place on the map, along world x (0) or y (1).
+    Marker(MarkerId, usize),
+    /// Height of a ceiling marker above the floor.
+    MarkerHeight(MarkerId),
+    /// Distance of one end of a joint between tiles from its nominal place, along the joint's normal. The joint is given by the axis of the tile
+    /// grid that is its normal, and by its number along that axis; its ends are the first (0) and the last (1) one.
+    JointEnd(usize, i64, usize),
     /// A constant of the robot.
     Constant(Constant),
 }
@@ -48,6 +57,53 @@ pub enum Constant {
     FlowYaw,
     /// Position of the spot that the flow sensor sees in the robot frame: forward (0) or left (1).
     FlowPosition(usize),
+    /// Image scale of the floor camera, in pixels per metre of floor.
+    FloorScale,
+    /// Rotation of the floor camera about the vertical.
+    FloorYaw,
+    /// Tilt of the floor camera's mount, which acts before the yaw, as a component of its Cayley vector along forward (0) or left (1) of the picture.
+    FloorTilt(usize),
+    /// Position of the floor camera in the robot frame: forward (0) or left (1).
+    FloorPosition(usize),
+    /// Focal length of the ceiling camera along u (0) or v (1), in pixels.
+    CeilingFocal(usize),
+    /// Principal point of the ceiling camera: u (0) or v (1), in pixels.
+    CeilingCentre(usize),
+    /// Rotation of the ceiling camera about the vertical.
+    CeilingYaw,
+    /// Error of the tilt of the ceiling camera's mount, which acts before the yaw, as a component of its Cayley vector along forward (0) or left (1) of
+    /// the picture.
+    CeilingTilt(usize),
+    /// Position of the ceiling camera in the robot frame: forward (0) or left (1).
+    CeilingPosition(usize),
+    /// Height of the ceiling camera above the floor at rest.
+    CeilingHeight,
+}
+
+impl Variable {
+    /// The same quantity at a given key frame, if it belongs to a key frame.
+    pub fn at_frame(self, frame: usize) -> Variable {
+        match self {
+            Variable::Pose(_, axis) => Variable::Pose(frame, axis),
+            Variable::GyroBias(_) => Variable::GyroBias(frame),
+            Variable::GyroAngle(_) => Variable::GyroAngle(frame),
+            Variable::FlowPlace(_, axis) => Variable::FlowPlace(frame, axis),
+            Variable::BodyTilt(_, axis) => Variable::BodyTilt(frame, axis),
+            other => other,
+        }
+    }
+
+    /// The key frame that the quantity belongs to.
+    pub fn frame(self) -> Option<usize> {
+        match self {
+            Variable::Pose(frame, _)
+            | Variable::GyroBias(frame)
+            | Variable::GyroAngle(frame)
+            | Variable::FlowPlace(frame, _)
+            | Variable::BodyTilt(frame, _) => Some(frame),
+            _ => None,
+        }
+    }
 }
 
 /// The reference values and boxes of all quantities.
@@ -79,6 +135,22 @@ impl Domain {
             put(Constant::FlowMetresPerCount, flow.metres_per_count);
             put(Constant::FlowYaw, flow.yaw_rad);
             (0..2).for_each(|axis| put(Constant::FlowPosition(axis), flow.position_m[axis]));
+        }
+        if let Some(camera) = &robot.floor_camera {
+            let tilt = cayley_radius(camera.tilt_rad);
+            put(Constant::FloorScale, camera.pixels_per_m);
+            put(Constant::FloorYaw, camera.yaw_rad);
+            (0..2).for_each(|axis| put(Constant::FloorTilt(axis), Interval::new(-tilt, tilt)));
+            (0..2).for_each(|axis| put(Constant::FloorPosition(axis), camera.position_m[axis]));
+        }
+        if let Some(camera) = &robot.ceiling_camera {
+            let tilt = cayley_radius(camera.tilt_rad);
+            (0..2).for_each(|axis| put(Constant::CeilingFocal(axis), camera.focal_px[axis]));
+            (0..2).for_each(|axis| put(Constant::CeilingCentre(axis), camera.centre_px[axis]));
+            put(Constant::CeilingYaw, camera.yaw_rad);
+            (0..2).for_each(|axis| put(Constant::CeilingTilt(axis), Interval::new(-tilt, tilt)));
+            (0..2).for_each(|axis| put(Constant::CeilingPosition(axis), camera.position_m[axis]));
+            put(Constant::CeilingHeight, camera.height_m);
         }
         domain
     }

@@ -153,12 +153,12 @@ impl<'a> Flow<'a> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::graph::trial::{Draw, Drive, flow, reach, wheels};
+    use crate::graph::trial::{Draw, Drive, flow, reach, rounds, wheels};
 
     #[test]
     fn the_true_way_satisfies_the_rows_with_one_error_of_the_place_between_two_ways() {
         let mut draw = Draw::new(20_261_125);
-        for round in 0..600 {
+        for round in 0..rounds(600) {
             let drive = Drive::short(&mut draw, round % 2 == 0);
             let (history, stamps_s) = (drive.history(true), &drive.stamps_s);
             let (mut domain, truth) = drive.domain(&mut draw);

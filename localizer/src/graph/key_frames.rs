@@ -14,11 +14,11 @@ use crate::{
     PoseBox, RobotModel,
     motion::{FlowWay, Way},
     reading::LandmarkId,
-    robot::GyroModel,
+    robot::{GyroModel, cayley_radius},
 };
 
 use super::{
-    Constant, Domain, Relations, Row, Stray, Variable,
+    Constant, Disc, Domain, Relations, Row, Stray, Variable,
     link::{Link, Read},
 };
 
@@ -55,6 +55,8 @@ struct KeyFrame {
 pub struct KeyFrames {
     frames: VecDeque<KeyFrame>,
     constants: Domain,
+    /// Pairs of constants that are together within a radius of (0, 0).
+    discs: Vec<Disc>,
     gyro: Option<GyroModel>,
     flow_scale_change: f64,
     /// Corners (bias, scale) of a polygon that contains the gyroscope's bias over the whole run and its scale; none where only their intervals are
@@ -80,6 +82,7 @@ impl KeyFrames {
         KeyFrames {
             frames: VecDeque::new(),
             constants: Domain::of_constants(robot),
+            discs: discs_of_constants(robot),
             gyro: robot.gyro,
             flow_scale_change: robot.flow.map_or(0.0, |flow| flow.scale_change),
             gyro_errors: Vec::new(),
@@ -211,6 +214,7 @@ impl KeyFrames {
     pub fn related(&self, known: &[(LandmarkId, Place)]) -> Result<Related, ProgramError> {
         let domain = self.domain(known);
         let mut rows = self.gyro_rows(&domain);
+        rows.extend(self.disc_rows(&domain));
         let mut before: Option<&KeyFrame> = None;
         for frame in &self.frames {
             if let (Some(before), Some(link)) = (before, &frame.link) {
@@ -236,14 +240,17 @@ impl KeyFrames {
                 domain.put(variable, value);
             }
         }
-        let mut places: BTreeMap<LandmarkId, (usize, Place)> =
-            known.iter().map(|&(landmark, place)| (landmark, (0, place))).collect();
+        let known = known.iter().flat_map(|&(landmark, place)| {
+            [0, 1].map(|axis| (Variable::Landmark(landmark, axis), (0, place[axis])))
+        });
+        let mut named: BTreeMap<Variable, (usize, Interval)> = known.collect();
         for frame in &self.frames {
             domain.put_pose(frame.number, &displaced(&frame.pose, frame.shift_m()));
-            for (landmark, place) in frame.relations.iter().flat_map(|relations| relations.landmarks(&frame.pose)) {
-                let (n_seen, best) = places.entry(landmark).or_insert((0, [Interval::ENTIRE; 2]));
-                *n_seen += 1;
-                *best = [0, 1].map(|axis| best[axis].intersect(place[axis]));
+            let quantities = frame.relations.iter().flat_map(|one| one.quantities(frame.number, &frame.pose));
+            for (variable, value) in quantities {
+                let (n_named, best) = named.entry(variable).or_insert((0, Interval::ENTIRE));
+                *n_named += 1;
+                *best = best.intersect(value);
             }
             if let Some(gyro) = self.gyro.filter(|gyro| frame.link.is_some() && gyro.drifts_from_way_to_way()) {
                 domain.put(Variable::GyroBias(frame.number), gyro.bias_rad_per_s);
@@ -258,12 +265,30 @@ impl KeyFrames {
                 domain.put(Variable::GyroAngle(frame.number), Interval::centred(0.0, half_rad));
             }
         }
-        for (landmark, (n_seen, place)) in places {
-            if n_seen > 1 && place.iter().all(|side| side.is_bounded()) {
-                (0..2).for_each(|axis| domain.put(Variable::Landmark(landmark, axis), place[axis]));
+        for (variable, (n_named, value)) in named {
+            if value.is_bounded() && (n_named > 1 || !matches!(variable, Variable::Landmark(..))) {
+                domain.put(variable, value);
             }
         }
         domain
+    }
+
+    /// Rows that cut the corners off the square about each disc: with components a and b of length r at most, |a ± b| ≤ √2·r.
+    fn disc_rows(&self, domain: &Domain) -> Vec<Row> {
+        let of_readings = self.frames.iter().flat_map(|frame| {
+            frame.relations.iter().flat_map(|relations| relations.discs(frame.number))
+        });
+        let mut discs: BTreeMap<[Variable; 2], f64> = of_readings.collect();
+        discs.extend(self.discs.iter().copied());
+        let cut = |([a, b], radius): ([Variable; 2], f64)| {
+            let most = (Interval::point(2.0).sqrt() * radius).hi();
+            [1.0, -1.0].map(|sign| {
+                let at_reference = Interval::point(domain.reference(a)) + Interval::point(domain.reference(b)) * sign;
+                let sides = Interval::centred(0.0, most) - at_reference;
+                Row::new(domain, &[(a, Interval::ONE), (b, Interval::point(sign))], sides)
+            })
+        };
+        discs.into_iter().flat_map(cut).collect()
     }
 
     /// A row for each side of the polygon that contains the gyroscope's bias and scale.
@@ -300,6 +325,15 @@ impl KeyFrame {
     fn shift_m(&self) -> f64 {
         self.relations.as_ref().map_or(0.0, |relations| relations.shift_m(&self.stray))
     }
+}
+
+/// The tilts of the cameras' mounts, which are within discs.
+fn discs_of_constants(robot: &RobotModel) -> Vec<Disc> {
+    let pair = |of_axis: fn(usize) -> Constant| [0, 1].map(|axis| Variable::Constant(of_axis(axis)));
+    let floor = robot.floor_camera.iter().map(|camera| (pair(Constant::FloorTilt), cayley_radius(camera.tilt_rad)));
+    let ceiling =
+        robot.ceiling_camera.iter().map(|camera| (pair(Constant::CeilingTilt), cayley_radius(camera.tilt_rad)));
+    floor.chain(ceiling).collect()
 }
 
 /// A box of poses whose positions are displaced by at most a distance, in any direction.

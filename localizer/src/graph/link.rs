@@ -77,7 +77,7 @@ impl Link {
     pub(super) fn join(&self, next: &Link, [first, middle, last]: [usize; 3], domain: &Domain) -> Option<Link> {
         let before = self.in_values([first, middle], domain);
         let after = next.in_values([middle, last], domain);
-        let dropped = |variable: Variable| is_of(variable, middle);
+        let dropped = |variable: Variable| variable.frame() == Some(middle);
         let [turn_before, turn_after] = [before.turn.as_ref()?, after.turn.as_ref()?];
         let total_s = before.span_s + after.span_s;
         let heading = Variable::Pose(middle, 2);
@@ -144,28 +144,18 @@ impl Read {
     }
 }
 
-/// Whether a variable belongs to a key frame.
-fn is_of(variable: Variable, frame: usize) -> bool {
-    match variable {
-        Variable::Pose(of, _) | Variable::GyroBias(of) | Variable::GyroAngle(of) | Variable::FlowPlace(of, _) => {
-            of == frame
-        }
-        Variable::Landmark(..) | Variable::Constant(_) => false,
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use interval::Interval;
 
     use super::*;
-    use crate::graph::trial::{Draw, Drive, flow, reach, wheels};
+    use crate::graph::trial::{Draw, Drive, flow, reach, rounds, wheels};
 
     #[test]
     fn the_true_way_satisfies_the_rows_of_two_ways_joined() {
         let mut draw = Draw::new(20_261_126);
-        for round in 0..900 {
+        for round in 0..rounds(900) {
             let drive = Drive::short(&mut draw, round % 2 == 0);
             let (history, stamps_s) = (drive.history(true), &drive.stamps_s);
             let (mut domain, truth) = drive.domain(&mut draw);
@@ -192,7 +182,7 @@ mod tests {
             let rows = joined.rows([0, 2], &domain);
             assert_eq!(rows.len(), if round % 3 == 1 { 3 } else { 5 });
             for (idx, row) in rows.iter().enumerate() {
-                assert!(row.terms.iter().all(|&(variable, _)| !is_of(variable, 1)), "{row:?}");
+                assert!(row.terms.iter().all(|&(variable, _)| variable.frame() != Some(1)), "{row:?}");
                 let mut sides = row.sides.inflate(1e-7);
                 let value = row.value_at(|variable| match variable {
                     Variable::FlowPlace(..) => 0.0,

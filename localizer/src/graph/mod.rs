@@ -13,18 +13,20 @@ mod flow;
 mod hull;
 mod key_frames;
 mod link;
+mod place;
 mod relations;
 mod row;
 mod sighting;
 #[cfg(test)]
-mod trial;
+pub(crate) mod trial;
 mod way;
 
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
 pub use key_frames::{KeyFrames, Place, Related, displaced};
-pub use relations::{Relations, Stray};
+pub use place::SeenPlace;
+pub use relations::{Disc, Relations, Stray};
 pub use row::Row;
 pub use sighting::sighting_rows;
 pub use way::way_rows;

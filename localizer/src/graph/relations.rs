@@ -2,17 +2,26 @@
 
 use interval::Interval;
 
-use crate::{PoseBox, reading::LandmarkId, robot::Reach};
+use crate::{PoseBox, robot::Reach};
 
-use super::{Domain, Row};
+use super::{Domain, Row, Variable};
+
+/// Two quantities that are together within a radius of (0, 0).
+pub type Disc = ([Variable; 2], f64);
 
 /// What one reading says about the pose at its stamp together with other quantities.
 ///
 /// The rows of a linear program hold near reference values only: what is not linear in them is enclosed over the boxes of the quantities. As these
 /// boxes become narrower, rows are made anew.
 pub trait Relations: Send + Sync {
-    /// The landmarks that the rows name, each with a box of its world x and y that follows from a box of poses at the reading's stamp.
-    fn landmarks(&self, pose: &PoseBox) -> Vec<(LandmarkId, [Interval; 2])>;
+    /// The quantities that the rows of the key frame with the given number name beside its pose and the constants of the robot, each with an interval
+    /// that the declared bounds and the box of poses at the reading's stamp imply.
+    fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)>;
+
+    /// Pairs of quantities that are together within a radius of (0, 0), such as the two components of a tilt.
+    fn discs(&self, _frame: usize) -> Vec<Disc> {
+        Vec::new()
+    }
 
     /// Greatest error of the reading's stamp.
     fn stamp_error_s(&self) -> f64;
@@ -22,7 +31,7 @@ pub trait Relations: Send + Sync {
     fn shift_m(&self, stray: &Stray) -> f64;
 
     /// The rows of the reading at the key frame with the given number. `stray` bounds the robot's motion within the stamp's error. The domain has the
-    /// pose of that key frame, the constants of the robot, and the landmarks; rows of a landmark that the domain does not have are left out.
+    /// pose of that key frame, the constants of the robot, and the reading's quantities; rows of a landmark that the domain does not have are left out.
     fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row>;
 }
 

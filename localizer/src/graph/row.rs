@@ -87,7 +87,7 @@ impl Row {
 
     /// Interval of the row's left side less its sides' middle at the given deviations; for tests.
     #[cfg(test)]
-    pub(super) fn value_at(&self, deviation: impl Fn(Variable) -> f64) -> f64 {
+    pub(crate) fn value_at(&self, deviation: impl Fn(Variable) -> f64) -> f64 {
         self.terms.iter().map(|&(variable, coefficient)| coefficient * deviation(variable)).sum()
     }
 }

@@ -211,14 +211,14 @@ impl<'a> Sight<'a> {
 mod tests {
     use super::*;
     use crate::{
-        graph::trial::{Draw, camera},
+        graph::trial::{Draw, camera, rounds},
         reading::LandmarkId,
     };
 
     #[test]
     fn the_truth_satisfies_every_row_at_the_corners_of_all_bounds() {
         let mut draw = Draw::new(20_261_123);
-        for round in 0..60_000 {
+        for round in 0..rounds(60_000) {
             let mut domain = Domain::default();
             let mut truth = std::collections::BTreeMap::new();
             // Half of the bounds are 0, so that each kind of remainder is sometimes alone.

@@ -11,38 +11,43 @@ use crate::{
 
 use super::{Constant, Domain, Variable};
 
+/// Number of rounds of a test at the corners of bounds: the environment variable `WHEREIN_ROWS` asks for so many times the usual number.
+pub(crate) fn rounds(usual: usize) -> usize {
+    usual * std::env::var("WHEREIN_ROWS").ok().and_then(|times| times.parse().ok()).unwrap_or(1)
+}
+
 /// A generator of numbers that prefers the ends of intervals.
-pub(super) struct Draw(u64);
+pub(crate) struct Draw(u64);
 
 impl Draw {
-    pub(super) fn new(seed: u64) -> Draw {
+    pub(crate) fn new(seed: u64) -> Draw {
         Draw(seed | 1)
     }
 
     /// A number from 0 to 1, by the generator xorshift64.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub(super) fn between(&mut self, lo: f64, hi: f64) -> f64 {
+    pub(crate) fn between(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.unit()
     }
 
     /// A size between two, evenly on a logarithmic scale.
-    pub(super) fn size(&mut self, lo: f64, hi: f64) -> f64 {
+    pub(crate) fn size(&mut self, lo: f64, hi: f64) -> f64 {
         lo * (hi / lo).powf(self.unit())
     }
 
     /// The given number, or, one time in two, 0.
-    pub(super) fn or_zero(&mut self, value: f64) -> f64 {
+    pub(crate) fn or_zero(&mut self, value: f64) -> f64 {
         if self.unit() < 0.5 { 0.0 } else { value }
     }
 
     /// A number in an interval, three times in four at one of its ends.
-    pub(super) fn within(&mut self, values: Interval) -> f64 {
+    pub(crate) fn within(&mut self, values: Interval) -> f64 {
         match self.unit() {
             share if share < 0.375 => values.lo(),
             share if share < 0.75 => values.hi(),

@@ -149,14 +149,14 @@ pub(super) fn gyro_rows(read: &GyroTurn, span_s: f64, [from, to]: [usize; 2], do
 mod tests {
     use super::*;
     use crate::{
-        graph::trial::{Draw, Drive, SLIP, gyro, reach, wheels},
+        graph::trial::{Draw, Drive, SLIP, gyro, reach, rounds, wheels},
         motion::WheelHistory,
     };
 
     #[test]
     fn the_true_way_satisfies_every_row_at_the_corners_of_all_bounds() {
         let mut draw = Draw::new(20_261_124);
-        for round in 0..600 {
+        for round in 0..rounds(600) {
             let has_gyro = round % 3 > 0;
             let drive = Drive::short(&mut draw, round % 3 == 2);
             let (from_s, to_s) = (drive.stamps_s[0], drive.stamps_s[2]);

@@ -11,9 +11,12 @@ mod pairs;
 pub mod paper;
 mod pose_contractor;
 mod ray;
+mod relate;
 #[cfg(test)]
 #[allow(clippy::expect_used)]
 mod trial;
+
+use std::sync::Arc;
 
 use interval::Interval;
 
@@ -34,6 +37,7 @@ use super::lean::{heading_off_rad, twist_of_tipped_rad};
 use group::SeenDot;
 use pose_contractor::Markers;
 use ray::Optics;
+use relate::Dots;
 
 /// Declared bounds that a constraint from ceiling markers relies on.
 pub const RELIES_ON: [Assumption; 16] = [
@@ -98,6 +102,7 @@ impl CeilingMarkers {
     pub fn constraint(&self, stamp_s: f64, found: Seen) -> Option<Constraint> {
         let Seen { markers, mut rejected_px } = found;
         let (mut dots, mut claims) = (Vec::new(), Vec::new());
+        let mut related = Dots::new(&self.robot, self.map.placement_m, self.camera.stamp_error_s);
         for seen in self.unambiguous(&markers, &mut rejected_px) {
             let Some(placed) = self.map.markers.iter().find(|placed| placed.id == seen.id) else { continue };
             let sights: Option<Vec<SeenDot>> = seen
@@ -109,7 +114,12 @@ impl CeilingMarkers {
                     Some(SeenDot { sight, in_world_m: self.dot_in_world_m(placed, *place) })
                 })
                 .collect();
-            dots.extend(sights);
+            if let Some(sights) = sights {
+                let named: Vec<(GridPlace, SeenDot)> =
+                    seen.dots.iter().map(|(place, _)| *place).zip(sights.iter().copied()).collect();
+                related.add(*placed, &named, &self.optics, self.turn_rad());
+                dots.push(sights);
+            }
             let claimed =
                 |(place, dot): &(GridPlace, ceiling::Dot)| (*place, [dot.centre_px[0], dot.centre_px[1], dot.bound_px]);
             claims.push(Claim::Marker { marker: seen.id, dots_px: seen.dots.iter().map(claimed).collect() });
@@ -128,7 +138,8 @@ impl CeilingMarkers {
             quota: Quota::of_each(self.camera.q_items),
             decides: true,
             alone_heading_rad: None,
-            relations: None,
+            // Where a marker may not be as the map says, its rows may not hold.
+            relations: (self.camera.q_items == 0).then(|| Arc::new(related) as _),
             rejected_px,
         })
     }
@@ -172,9 +183,14 @@ impl CeilingMarkers {
     /// lean; and the difference between two definitions of a leaning body's heading.
     fn yaw_error(&self) -> Interval {
         let yaw = self.camera.yaw_rad - Interval::point(self.camera.yaw_rad.mid());
-        let lean_rad = Interval::point(self.camera.lean_rad[0]).hypot(Interval::point(self.camera.lean_rad[1])).hi();
-        yaw.inflate(twist_of_tipped_rad(self.camera.tilt_rad, lean_rad))
-            .inflate(heading_off_rad(self.robot.body.tilt_rad))
+        yaw.inflate(self.turn_rad())
+    }
+
+    /// Greatest part of that which neither the heading nor the camera's yaw tells.
+    fn turn_rad(&self) -> f64 {
+        let [forward, left] = self.camera.lean_rad.map(Interval::point);
+        let twist = Interval::point(twist_of_tipped_rad(self.camera.tilt_rad, forward.hypot(left).hi()));
+        (twist + heading_off_rad(self.robot.body.tilt_rad)).hi()
     }
 
     /// Motion of the picture during an exposure: the ceiling's image shifts against the camera's velocity v + ω × m, with v the robot's

@@ -15,8 +15,11 @@ mod joint;
 mod normals;
 mod optics;
 mod pose_contractor;
+mod relate;
 #[cfg(test)]
 mod trial;
+
+use std::sync::Arc;
 
 use interval::Interval;
 
@@ -33,6 +36,7 @@ use crate::{
 use joint::Joint;
 use optics::Optics;
 use pose_contractor::TileJoints;
+use relate::Joints;
 
 /// Declared bounds that a constraint from floor joints relies on.
 pub const RELIES_ON: [Assumption; 14] = [
@@ -119,6 +123,7 @@ impl FloorTiles {
     pub fn constraint(&self, stamp_s: f64, found: FloorLines, prior: &PoseUnion) -> Option<Constraint> {
         let FloorLines { lines, mut rejected_px } = found;
         let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
+        let mut related = Joints::new(&self.geometry);
         let mut joints = Vec::new();
         let mut claims = Vec::new();
         for line in lines {
@@ -130,8 +135,8 @@ impl FloorTiles {
             points.iter_mut().zip(&open_px).for_each(|(point, open_px)| point[2] += straightness_px + open_px);
             let most_open_px = open_px.into_iter().fold(0.0, f64::max);
             let set = line_fit::enclose(&points, line.share_wrong);
-            let joint = set.and_then(|set| Joint::new(set, &line, most_open_px, &self.geometry));
-            let Some(joint) = joint else { continue };
+            let Some(set) = set else { continue };
+            let Some(joint) = Joint::new(set.clone(), &line, most_open_px, &self.geometry) else { continue };
             // Eq. (20) of the paper (Lv, Kang and Qin 2019) drops a line that no heading of the odometric prior explains. Lines of the
             // project's own chain are already known to be orthogonal and at the tiles' pitch, so that a line which contradicts the prior is
             // evidence against the prior and is kept.
@@ -140,6 +145,7 @@ impl FloorTiles {
                 continue;
             }
             let Some(points_px) = self.optics.as_taken(line.points_px, line.share_wrong) else { continue };
+            related.add(&joint, &set, &points);
             joints.push(joint);
             claims.push(Claim::FloorJoint { points_px, share_wrong: line.share_wrong });
         }
@@ -159,7 +165,8 @@ impl FloorTiles {
             // failed assumption do not. So every image counts as evidence to end the doubt.
             decides: true,
             alone_heading_rad: None,
-            relations: None,
+            // Where a line may be no joint, its rows may not hold.
+            relations: (self.view.q_items == 0).then(|| Arc::new(related) as _),
         })
     }
 

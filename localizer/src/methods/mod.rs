@@ -5,5 +5,6 @@ pub mod ceiling_markers;
 pub mod floor_tiles;
 pub mod gnss_positions;
 mod lean;
+mod tilt;
 pub mod range_landmarks;
 pub mod wall_directions;

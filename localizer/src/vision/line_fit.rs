@@ -2,6 +2,8 @@
 
 mod level;
 
+use interval::Interval;
+
 use self::level::{Leaf, Level};
 
 /// Set of the lines `{ p : n(φ)·(p − centroid) = offset }`, with `n(φ) = (cos φ, sin φ)`, that are within the bounds of enough points.
@@ -36,6 +38,40 @@ impl LineSet {
     pub fn offset_at(&self, normal_angle_lo: f64, normal_angle_hi: f64) -> Option<[f64; 2]> {
         let touches = |slice: &&Slice| slice.angle_rad[0] <= normal_angle_hi && slice.angle_rad[1] >= normal_angle_lo;
         self.slices.iter().filter(touches).map(|slice| slice.offset_px).reduce(hull)
+    }
+}
+
+/// Point of an image with the direction in which it is uncertain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinePoint {
+    /// Where the best estimate of the line passes, `[u, v]`.
+    pub at_px: [f64; 2],
+    /// Unit normal of the best estimate.
+    pub normal: [f64; 2],
+    /// Distances from `at_px` along the normal at which lines that fit the points pass.
+    pub across_px: Interval,
+}
+
+impl LineSet {
+    /// Where the lines that fit the points cross the normal of the best estimate that is `along_px` from the centroid.
+    ///
+    /// A line of normal angle φ and offset o passes at o/cos(φ₀ − φ) + along·tan(φ₀ − φ), with φ₀ the angle of the best estimate.
+    pub fn crossing(&self, along_px: f64) -> LinePoint {
+        let (sin, cos) = self.direction_rad.sin_cos();
+        let across = |slice: &Slice| {
+            let angle = Interval::point(self.direction_rad) - Interval::new(slice.angle_rad[0], slice.angle_rad[1]);
+            let offset = Interval::new(slice.offset_px[0], slice.offset_px[1]);
+            offset / angle.cos() + angle.tan() * along_px
+        };
+        let across_px = self.slices.iter().map(across).fold(Interval::EMPTY, Interval::hull);
+        let at_px = [self.centroid_px[0] - along_px * sin, self.centroid_px[1] + along_px * cos];
+        LinePoint { at_px, normal: [cos, sin], across_px: across_px.inflate(ROUNDING) }
+    }
+
+    /// Distance of a point of the image from the centroid along the best estimate.
+    pub fn along_px(&self, [u, v]: [f64; 2]) -> f64 {
+        let (sin, cos) = self.direction_rad.sin_cos();
+        (v - self.centroid_px[1]) * cos - (u - self.centroid_px[0]) * sin
     }
 }
 
@@ -251,6 +287,15 @@ mod tests {
                 assert!(set.offset_px[0] <= offset_px && offset_px <= set.offset_px[1]);
                 let [low, high] = set.offset_at(tried_rad, tried_rad).unwrap_or([f64::NAN; 2]);
                 assert!(low <= offset_px && offset_px <= high);
+                // Where the line crosses a normal of the best estimate, by the equation of the line.
+                let along_px = random.between(-300.0, 300.0);
+                let crossing = set.crossing(along_px);
+                let [nu, nv] = crossing.normal;
+                let (sin, cos) = tried_rad.sin_cos();
+                let across_px = (offset_px + along_px * (cos * nv - sin * nu)) / (cos * nu + sin * nv);
+                assert!(crossing.across_px.contains(across_px), "{across_px} {}", crossing.across_px);
+                let [u, v] = [0, 1].map(|axis| crossing.at_px[axis] - set.centroid_px[axis]);
+                assert!((u * nu + v * nv).abs() < 1e-9 && (set.along_px(crossing.at_px) - along_px).abs() < 1e-9);
             }
         }
         assert!(members > 5_000, "only {members} members tried");

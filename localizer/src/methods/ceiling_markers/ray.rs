@@ -9,15 +9,18 @@
 //! c = T(body) m      d = T(body) Rz(yaw) T(mount) Lean (−y, x, 1)      dot = c + d·(Z − c_up)/d_up      (its two level components)
 //! ```
 //!
-//! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of
-//! trigonometry.
+//! Tilts are written as Cayley vectors ([`tilted`]).
 
 use interval::{Dual, Interval};
 
 use crate::{
-    robot::{BodyModel, CeilingCameraModel},
+    graph::{Constant, SeenPlace, Variable},
+    markers::MarkerId,
+    robot::{BodyModel, CeilingCameraModel, cayley_radius},
     vision::distortion,
 };
+
+use super::super::tilt::tilted;
 
 /// Number of error parameters: the unknowns of one dot (its pixel), of the image (optics and posture of the camera), and of the marker (its
 /// height). The constants below are the indices of the parameters.
@@ -40,6 +43,9 @@ pub(super) struct Optics {
     parameters: [Interval; N_PARAMETERS],
     lean: [[Interval; 3]; 3],
     yaw: [Interval; 2],
+    /// Rotation of the camera about the vertical, and its position in the robot frame.
+    yaw_rad: Interval,
+    position_m: [Interval; 2],
     distortion: [f64; 5],
     distortion_px: f64,
     heave_m: f64,
@@ -64,10 +70,7 @@ impl Optics {
         let [forward, left] = camera.position_m;
         // The camera's optical centre m, expressed in the frame that is turned by the camera's yaw error δ, is Rz(−δ) m.
         let position = [forward * cos + left * sin, left * cos - forward * sin];
-        let tilt = |angle_rad: f64| {
-            let half = (Interval::point(angle_rad) * 0.5).tan().hi();
-            Interval::new(-half, half)
-        };
+        let tilt = |angle_rad: f64| Interval::centred(0.0, cayley_radius(angle_rad));
         for axis in 0..2 {
             parameters[CENTRE[axis]] = camera.centre_px[axis];
             parameters[FOCAL[axis]] = camera.focal_px[axis];
@@ -81,6 +84,8 @@ impl Optics {
             parameters,
             lean: lean_matrix(camera.lean_rad),
             yaw: [yaw.cos(), yaw.sin()],
+            yaw_rad: camera.yaw_rad,
+            position_m: camera.position_m,
             distortion: camera.distortion,
             distortion_px: camera.distortion_px,
             heave_m: body.heave_m,
@@ -109,6 +114,36 @@ impl Optics {
         })
     }
 
+    /// The place of a seen dot as a function of the constants of the camera, the lean of the body, and the height of the dot's marker, which is within
+    /// `height_m`. `turn_rad` is the greatest turn of the picture about the vertical beside the heading and the camera's yaw.
+    pub(super) fn place(&self, sight: &Sight, marker: MarkerId, height_m: Interval, turn_rad: f64) -> SeenPlace {
+        let column = |parameter: usize| [0, 1].map(|axis| sight.slopes[axis][parameter]);
+        let mut place = SeenPlace {
+            yaw: (Constant::CeilingYaw, self.yaw_rad.mid()),
+            middle_m: sight.middle_m,
+            terms: Vec::new(),
+            noise_m: PIXEL.iter().map(|&parameter| (column(parameter), sight.deviations[parameter])).collect(),
+            turn_rad,
+        };
+        place.noise_m.push((column(DOT_HEIGHT), Interval::centred(0.0, self.heave_m)));
+        let mut depends = |parameter: usize, variable: Variable| {
+            place.terms.push((variable, self.parameters[parameter].mid(), column(parameter)));
+        };
+        for axis in 0..2 {
+            depends(CENTRE[axis], Variable::Constant(Constant::CeilingCentre(axis)));
+            depends(FOCAL[axis], Variable::Constant(Constant::CeilingFocal(axis)));
+            depends(MOUNT_TILT[axis], Variable::Constant(Constant::CeilingTilt(axis)));
+            depends(BODY_TILT[axis], Variable::BodyTilt(0, axis));
+        }
+        depends(CAMERA_HEIGHT, Variable::Constant(Constant::CeilingHeight));
+        let height_mid_m = height_m.inflate(self.heave_m).mid();
+        place.terms.push((Variable::MarkerHeight(marker), height_mid_m, column(DOT_HEIGHT)));
+        let at_m = POSITION.map(|parameter| self.parameters[parameter].mid());
+        let position = [0, 1].map(Constant::CeilingPosition);
+        place.mounted(position, self.position_m, self.yaw_rad, (at_m, POSITION.map(column)));
+        place
+    }
+
     fn dot_m(&self, parameters: &[Interval; N_PARAMETERS]) -> Option<[Number; 2]> {
         let number = |index: usize| Number::parameter(index, parameters[index]);
         let x = (number(PIXEL[0]) - number(CENTRE[0])) / number(FOCAL[0]);
@@ -131,22 +166,6 @@ impl Optics {
         let length = (number(DOT_HEIGHT) - centre[2]) / ray[2];
         Some([centre[0] + ray[0] * length, centre[1] + ray[1] * length])
     }
-}
-
-/// Vector v after the tilt T(a), with a a horizontal Cayley vector.
-fn tilted(v: [Number; 3], [a, b]: [Number; 2]) -> [Number; 3] {
-    // The cross product a × v for a = (a, b, 0).
-    let cross = |v: &[Number; 3]| [b * v[2], -(a * v[2]), a * v[1] - b * v[0]];
-    let once = cross(&v);
-    let twice = cross(&once);
-    let one = Number::constant(Interval::ONE);
-    let factor = Number::constant(Interval::point(2.0)) / (one + square(a) + square(b));
-    [0, 1, 2].map(|k| v[k] + factor * (once[k] + twice[k]))
-}
-
-fn square(a: Number) -> Number {
-    let product = a * a;
-    Number { value: a.value.sqr(), ..product }
 }
 
 /// Rotation matrix that leans the upright axis by the given angles towards forward and towards left: rotation vector (−left, forward, 0).

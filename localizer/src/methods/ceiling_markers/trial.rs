@@ -27,7 +27,7 @@ use crate::{
 const TILT_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 /// Height of the camera above the floor: 0.2 m, which is 2.6 m below the ceiling.
 const CAMERA_M: f64 = 0.2;
-const CEILING_M: f64 = 2.8;
+pub(super) const CEILING_M: f64 = 2.8;
 /// Electrons that a pixel at mid grey collects.
 const ELECTRONS: f64 = 8000.0;
 
@@ -35,7 +35,7 @@ const ELECTRONS: f64 = 8000.0;
 ///
 /// An error of the picture's centre looks like a tilt of the mount: a calibration that knows the mount's tilt to 0.05° leaves next to
 /// nothing of it.
-fn bench() -> RobotModel {
+pub(super) fn bench() -> RobotModel {
     let radius = Interval::point(0.1);
     RobotModel {
         wheels: WheelModel {

@@ -21,7 +21,7 @@ use interval::Interval;
 
 use crate::{
     PoseBox, RobotModel,
-    graph::{Domain, Place, Relations, Row, Stray, Variable, sighting_rows},
+    graph::{Domain, Relations, Row, Stray, Variable, sighting_rows},
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
 };
@@ -152,8 +152,12 @@ impl Sightings {
 }
 
 impl Relations for Sightings {
-    fn landmarks(&self, pose: &PoseBox) -> Vec<(LandmarkId, Place)> {
-        self.sighted.iter().map(|sighted| (sighted.seen.landmark, sighted.seen.in_world(pose))).collect()
+    fn quantities(&self, _frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        let of_landmark = |sighted: &Sighted| {
+            let place = sighted.seen.in_world(pose);
+            [0, 1].map(|axis| (Variable::Landmark(sighted.seen.landmark, axis), place[axis]))
+        };
+        self.sighted.iter().flat_map(of_landmark).collect()
     }
 
     fn stamp_error_s(&self) -> f64 {

@@ -1,0 +1,400 @@
+//! What the joints of an image relate: the pose, the constants of the camera, the lean of the body, and where each joint truly lies.
+//!
+//! A line of the image is taken at two points, near its ends. Every line that fits crosses the normal there within an interval, so that the joint passes
+//! the floor point that the camera sees there, and the floor point's coordinate along the normal of the joint's family is that of the joint:
+//! E·i + phase + d, with d between the distances by which the joint's two ends are off their nominal places.
+
+use std::sync::OnceLock;
+
+use interval::{Dual, Interval};
+
+use crate::{
+    PoseBox,
+    graph::{Constant, Domain, Relations, Row, SeenPlace, Stray, Variable},
+    robot::cayley_radius,
+    vision::line_fit::LineSet,
+};
+
+use super::{
+    super::{lean::heading_off_rad, tilt::tilted},
+    Geometry,
+    joint::Joint,
+};
+
+/// Number of parameters of a floor point: its pixel, the image scale, the tilts of mount and body, the position of the camera, and the body's heave.
+const N_PARAMETERS: usize = 10;
+const PIXEL: [usize; 2] = [0, 1];
+const SCALE: usize = 2;
+const MOUNT_TILT: [usize; 2] = [3, 4];
+const BODY_TILT: [usize; 2] = [5, 6];
+const POSITION: [usize; 2] = [7, 8];
+const HEAVE: usize = 9;
+
+type Number = Dual<N_PARAMETERS>;
+
+/// The joints of an image as relations.
+pub(super) struct Joints {
+    geometry: Geometry,
+    lines: Vec<Line>,
+    /// For each line, the joint that it is, or `None` where the pose leaves that open: set when the image becomes a key frame.
+    joints: OnceLock<Vec<Option<JointName>>>,
+}
+
+/// A joint: the axis of the tile grid that is its normal, and its number along that axis.
+type JointName = (usize, i64);
+
+/// A line of the image at two of its points.
+struct Line {
+    joint: Joint,
+    ends: [SeenPlace; 2],
+}
+
+impl Joints {
+    pub(super) fn new(geometry: &Geometry) -> Joints {
+        Joints { geometry: geometry.clone(), lines: Vec::new(), joints: OnceLock::new() }
+    }
+
+    /// Adds a fitted line with its points, `[u, v, bound]` in the pinhole's picture.
+    pub(super) fn add(&mut self, joint: &Joint, set: &LineSet, points_px: &[[f64; 3]]) {
+        let along_px = points_px.iter().map(|&[u, v, _]| set.along_px([u, v]));
+        let (first, last) =
+            along_px.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), at| (least.min(at), most.max(at)));
+        let ends = [first, last].map(|at| floor_place(set, at, &self.geometry));
+        if let [Some(first), Some(last)] = ends {
+            self.lines.push(Line { joint: joint.clone(), ends: [first, last] });
+        }
+    }
+
+    /// Lean of the body within its bound. Under a rolling shutter each row has a posture of its own, for which the bounds of the points account.
+    fn body_radius(geometry: &Geometry) -> f64 {
+        if geometry.camera.row_time_s > 0.0 { 0.0 } else { cayley_radius(geometry.robot.body.tilt_rad) }
+    }
+
+    /// Which joint each line is, for a box of poses.
+    fn name(&self, pose: &PoseBox) -> Vec<Option<JointName>> {
+        let (geometry, frame) = (&self.geometry, 0);
+        let stray = Stray::by_reach(geometry.camera.stamp_error_s, &geometry.robot.reach);
+        let mut domain = Domain::of_constants(&geometry.robot);
+        domain.put_pose(frame, &crate::graph::displaced(pose, stray.metres));
+        let tilt = Interval::centred(0.0, Joints::body_radius(geometry));
+        (0..2).for_each(|axis| domain.put(Variable::BodyTilt(frame, axis), tilt));
+        let name = |line: &Line| {
+            let (first, last) = line.joint.families(pose[2], geometry);
+            let axis = (first == last).then(|| first.rem_euclid(2) as usize)?;
+            let number = |end: &SeenPlace| {
+                let along_m = end.at(frame, &stray, &domain).along(geometry.normal(axis));
+                let grid = &geometry.grid;
+                let number = (along_m.inflate(grid.laying_m) - grid.phase_m[axis]) / grid.edge_m[axis];
+                let (least, most) = (number.lo().ceil(), number.hi().floor());
+                (least == most && least.abs() < MOST_NUMBER).then_some(least as i64)
+            };
+            let [first, last] = [number(&line.ends[0])?, number(&line.ends[1])?];
+            (first == last).then_some((axis, first))
+        };
+        self.lines.iter().map(name).collect()
+    }
+
+    fn named(&self) -> impl Iterator<Item = (&Line, JointName)> {
+        let names = self.joints.get().into_iter().flatten();
+        self.lines.iter().zip(names).filter_map(|(line, name)| Some((line, (*name)?)))
+    }
+}
+
+/// Greatest number of a joint that is counted.
+const MOST_NUMBER: f64 = 1e9;
+
+impl Relations for Joints {
+    fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        self.joints.get_or_init(|| self.name(pose));
+        let tilt = Interval::centred(0.0, Joints::body_radius(&self.geometry));
+        let mut quantities: Vec<(Variable, Interval)> =
+            (0..2).map(|axis| (Variable::BodyTilt(frame, axis), tilt)).collect();
+        for (_, (axis, number)) in self.named() {
+            let off = Interval::centred(0.0, self.geometry.end_off_m(axis));
+            quantities.extend([0, 1].map(|end| (Variable::JointEnd(axis, number, end), off)));
+        }
+        quantities
+    }
+
+    fn discs(&self, frame: usize) -> Vec<crate::graph::Disc> {
+        vec![([0, 1].map(|axis| Variable::BodyTilt(frame, axis)), Joints::body_radius(&self.geometry))]
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        self.geometry.camera.stamp_error_s
+    }
+
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        stray.metres
+    }
+
+    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
+        let grid = &self.geometry.grid;
+        let mut rows = Vec::new();
+        for (line, (axis, number)) in self.named() {
+            let normal = self.geometry.normal(axis);
+            let place_m = Interval::point(grid.edge_m[axis]) * (number as f64) + grid.phase_m[axis];
+            for end in &line.ends {
+                let seen = end.at(frame, stray, domain);
+                // Share of the way from the joint's first end to its last one at which the point lies.
+                let share = self.geometry.share_of_joint(axis, seen.along(self.geometry.normal(1 - axis)));
+                let ends = [0, 1].map(|end| Variable::JointEnd(axis, number, end));
+                let shares = [1.0 - share, share];
+                let off_m = shares[0] * domain.reference(ends[0]) + shares[1] * domain.reference(ends[1]);
+                rows.push(seen.row(normal, place_m + off_m, &[(ends[0], shares[0]), (ends[1], shares[1])]));
+            }
+        }
+        rows
+    }
+}
+
+impl Geometry {
+    /// Unit vector of the world along an axis of the tile grid.
+    fn normal(&self, axis: usize) -> [Interval; 2] {
+        let angle = Interval::point(self.grid.rotation_rad);
+        let (cos, sin) = (angle.cos(), angle.sin());
+        if axis == 0 { [cos, sin] } else { [-sin, cos] }
+    }
+
+    /// Least and greatest coordinate of the room along an axis of the tile grid.
+    fn extent_m(&self, axis: usize) -> Interval {
+        let normal = self.normal(axis);
+        normal[0] * self.room_m[0] + normal[1] * self.room_m[1]
+    }
+
+    /// Greatest distance of a joint's end from its nominal place. The ends are where the joint meets the room's extent along the grid. Of a grid that is
+    /// turned, joints end before, and what they are off there goes on at the greatest angle between a joint and its nominal direction.
+    fn end_off_m(&self, axis: usize) -> f64 {
+        let grid = &self.grid;
+        let beyond_m = if grid.rotation_rad == 0.0 { 0.0 } else { self.extent_m(1 - axis).width() };
+        (Interval::point(grid.laying_angle_rad).tan() * beyond_m + grid.laying_m).hi()
+    }
+
+    /// Share of the way along a joint whose normal is an axis of the grid, for a coordinate along the other axis.
+    fn share_of_joint(&self, axis: usize, along_m: Interval) -> Interval {
+        let extent = self.extent_m(1 - axis);
+        (along_m - extent.lo()) / (Interval::point(extent.hi()) - extent.lo())
+    }
+}
+
+/// The floor point at which the lines that fit cross a normal of the line, as a function of the constants of the camera and the lean of the body. `None`
+/// where the camera may see the horizon.
+fn floor_place(set: &LineSet, along_px: f64, geometry: &Geometry) -> Option<SeenPlace> {
+    let (camera, body) = (&geometry.camera, &geometry.robot.body);
+    let crossing = set.crossing(along_px);
+    let [forward_px, left_px] = geometry.in_camera_px(crossing.at_px);
+    // Forward is up and left is left in the picture, whose axes point right and down.
+    let normal = [-crossing.normal[1], -crossing.normal[0]];
+    let pixel = [forward_px, left_px].map(Interval::point);
+    let pixel = [0, 1].map(|axis| pixel[axis] + Interval::point(normal[axis]) * crossing.across_px);
+    let error = camera.yaw_rad - Interval::point(camera.yaw_rad.mid());
+    let (cos, sin) = (error.cos(), error.sin());
+    let [forward, left] = camera.position_m;
+    let is_rolling = camera.row_time_s > 0.0;
+    let (body_radius, heave_m) = (Joints::body_radius(geometry), if is_rolling { 0.0 } else { body.heave_m });
+    let mut parameters = [Interval::ZERO; N_PARAMETERS];
+    for axis in 0..2 {
+        parameters[PIXEL[axis]] = pixel[axis];
+        parameters[MOUNT_TILT[axis]] = Interval::centred(0.0, cayley_radius(camera.tilt_rad));
+        parameters[BODY_TILT[axis]] = Interval::centred(0.0, body_radius);
+    }
+    parameters[SCALE] = camera.pixels_per_m;
+    parameters[POSITION[0]] = forward * cos + left * sin;
+    parameters[POSITION[1]] = left * cos - forward * sin;
+    parameters[HEAVE] = Interval::centred(0.0, heave_m);
+    let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
+    let slopes = floor_point(&parameters, camera)?.map(|number| number.slopes);
+    let column = |parameter: usize| [0, 1].map(|axis| slopes[axis][parameter]);
+    let across = [0, 1].map(|axis| {
+        let by_pixel = PIXEL.map(|parameter| slopes[axis][parameter]);
+        by_pixel[0] * normal[0] + by_pixel[1] * normal[1]
+    });
+    let across_mid = crossing.across_px.mid();
+    let mut place = SeenPlace {
+        yaw: (Constant::FloorYaw, camera.yaw_rad.mid()),
+        middle_m: floor_point(&middles, camera)?.map(|number| number.value),
+        terms: Vec::new(),
+        noise_m: vec![
+            (across, crossing.across_px - across_mid),
+            (column(HEAVE), parameters[HEAVE]),
+            // What rounding moves the middle of the pixel off the line's point.
+            (column(PIXEL[0]), Interval::centred(0.0, ROUNDING_PX)),
+            (column(PIXEL[1]), Interval::centred(0.0, ROUNDING_PX)),
+        ],
+        turn_rad: heading_off_rad(body_radius_rad(geometry)),
+    };
+    let mut depends = |parameter: usize, variable: Variable| {
+        place.terms.push((variable, parameters[parameter].mid(), column(parameter)));
+    };
+    depends(SCALE, Variable::Constant(Constant::FloorScale));
+    for axis in 0..2 {
+        depends(MOUNT_TILT[axis], Variable::Constant(Constant::FloorTilt(axis)));
+        depends(BODY_TILT[axis], Variable::BodyTilt(0, axis));
+    }
+    let at_m = POSITION.map(|parameter| parameters[parameter].mid());
+    let position = [0, 1].map(Constant::FloorPosition);
+    place.mounted(position, camera.position_m, camera.yaw_rad, (at_m, POSITION.map(column)));
+    Some(place)
+}
+
+/// Bound on rounding errors of places in the picture, whose coordinates are below 10⁵ px.
+const ROUNDING_PX: f64 = 1e-9;
+
+/// Greatest lean of the body for which the bounds of the points do not account.
+fn body_radius_rad(geometry: &Geometry) -> f64 {
+    if geometry.camera.row_time_s > 0.0 { 0.0 } else { geometry.robot.body.tilt_rad }
+}
+
+/// Floor point that a pixel shows: c + d·(c_up + heave)/(−d_up), with c = T(body)·m′ the optical centre and d = T(body)·Rz(yaw)·T(mount)·(q/f, −1) the
+/// ray of the pixel q, given forward and left.
+fn floor_point(parameters: &[Interval; N_PARAMETERS], camera: &crate::robot::FloorCameraModel) -> Option<[Number; 2]> {
+    let number = |index: usize| Number::parameter(index, parameters[index]);
+    let height = Number::constant(Interval::point(camera.height_m));
+    let focal = number(SCALE) * height;
+    let ray = [number(PIXEL[0]) / focal, number(PIXEL[1]) / focal, Number::constant(-Interval::ONE)];
+    let mounted = tilted(ray, MOUNT_TILT.map(number));
+    let yaw = Interval::point(camera.yaw_rad.mid());
+    let [cos, sin] = [yaw.cos(), yaw.sin()].map(Number::constant);
+    let turned = [mounted[0] * cos - mounted[1] * sin, mounted[0] * sin + mounted[1] * cos, mounted[2]];
+    let body = BODY_TILT.map(number);
+    let ray = tilted(turned, body);
+    let centre = tilted([number(POSITION[0]), number(POSITION[1]), height], body);
+    if ray[2].value.hi() > -0.05 {
+        return None;
+    }
+    let length = (centre[2] + number(HEAVE)) / -ray[2];
+    Some([centre[0] + ray[0] * length, centre[1] + ray[1] * length])
+}
+
+#[cfg(test)]
+#[allow(clippy::expect_used)]
+mod tests {
+    use std::{collections::BTreeMap, f64::consts::PI};
+
+    use nalgebra::{Rotation3, Vector3};
+
+    use super::{
+        super::{
+            Chain,
+            trial::{HEIGHT_M, known_robot, method},
+        },
+        *,
+    };
+    use crate::{
+        graph::trial::{Draw, rounds},
+        vision::{FloorLine, line_fit},
+    };
+
+    /// A tilt with its Cayley vector, of the greatest angle three times in four.
+    fn tilt(draw: &mut Draw, most_rad: f64) -> (Rotation3<f64>, [f64; 2]) {
+        let course = draw.between(-PI, PI);
+        let angle = draw.within(Interval::new(0.0, most_rad)).max(1e-12);
+        let axis = Vector3::new(course.cos(), course.sin(), 0.0);
+        let length = (0.5 * angle).tan();
+        (Rotation3::new(axis * angle), [length * axis.x, length * axis.y])
+    }
+
+    #[test]
+    fn the_truth_satisfies_the_rows_of_joints_at_the_corners_of_all_bounds() {
+        let mut draw = Draw::new(20_261_130);
+        let (mut nearest, mut n_rows): (f64, usize) = (0.0, 0);
+        for round in 0..rounds(20_000) {
+            let mut robot = known_robot(draw.or_zero(1.0) + 1e-6, [0.0; 5], 0.0, 0.0);
+            robot.body.tilt_rad = draw.or_zero(0.006);
+            robot.body.heave_m = draw.or_zero(0.0008);
+            if let Some(camera) = &mut robot.floor_camera {
+                camera.tilt_rad = draw.or_zero(0.005);
+                camera.yaw_rad = Interval::centred(0.1, draw.or_zero(0.005));
+            }
+            let mut geometry = method(&robot, Chain::Direct).geometry;
+            geometry.grid.laying_m = draw.or_zero(0.003);
+            geometry.grid.rotation_rad = draw.or_zero(0.4);
+            geometry.grid.laying_angle_rad = geometry.grid.laying_m / 10.0;
+            let (camera, stray) = (geometry.camera.clone(), Stray { metres: 0.0, radians: draw.or_zero(0.001) });
+
+            // The truth.
+            let mut truth = BTreeMap::new();
+            let mut set = |variable, value: f64| {
+                truth.insert(variable, value);
+                value
+            };
+            let constant = Variable::Constant;
+            let scale = set(constant(Constant::FloorScale), draw.within(camera.pixels_per_m));
+            let yaw = set(constant(Constant::FloorYaw), draw.within(camera.yaw_rad));
+            let mount = [0, 1].map(|k| set(constant(Constant::FloorPosition(k)), draw.within(camera.position_m[k])));
+            let (mount_tilt, cayley) = tilt(&mut draw, camera.tilt_rad);
+            (0..2).for_each(|k| {
+                set(constant(Constant::FloorTilt(k)), cayley[k]);
+            });
+            let (body, cayley) = tilt(&mut draw, robot.body.tilt_rad);
+            let (sin, cos) = (yaw - camera.yaw_rad.mid()).sin_cos();
+            set(Variable::BodyTilt(4, 0), cos * cayley[0] + sin * cayley[1]);
+            set(Variable::BodyTilt(4, 1), cos * cayley[1] - sin * cayley[0]);
+            let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), draw.between(-PI, PI)) * body;
+            let forward = turned * Vector3::x();
+            set(Variable::Pose(4, 2), forward.y.atan2(forward.x) - draw.within(Interval::centred(0.0, stray.radians)));
+            let at = [0, 1].map(|k| set(Variable::Pose(4, k), draw.between(-3.0, 3.0)));
+            let heave = draw.within(Interval::centred(0.0, robot.body.heave_m));
+            let eye = Vector3::new(at[0], at[1], heave) + turned * Vector3::new(mount[0], mount[1], HEIGHT_M);
+            let world_from_camera = turned * Rotation3::from_axis_angle(&Vector3::z_axis(), yaw) * mount_tilt;
+
+            // A joint near the camera, from one end of the room to the other, each end off its place.
+            let (axis, (sin, cos)) = (usize::from(draw.unit() < 0.5), geometry.grid.rotation_rad.sin_cos());
+            let [normal, along] = if axis == 0 { [[cos, sin], [-sin, cos]] } else { [[-sin, cos], [cos, sin]] };
+            let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+            let number = (dot(normal, [eye.x, eye.y]) / 0.3).round();
+            let extent = geometry.extent_m(1 - axis);
+            let ends = [0, 1].map(|end| {
+                let off = draw.within(Interval::centred(0.0, geometry.grid.laying_m));
+                set(Variable::JointEnd(axis, number as i64, end), off)
+            });
+            let middle = dot(along, [eye.x, eye.y]);
+            // The points of the line in the picture, each with an error at its bound.
+            let bound_px = draw.or_zero(0.4) + 1e-9;
+            let shift_px = draw.within(Interval::centred(0.0, bound_px));
+            let slope_px = draw.within(Interval::centred(0.0, bound_px - shift_px.abs()));
+            let points: Vec<[f64; 3]> = (-4..=4)
+                .map(|step| {
+                    let share = f64::from(step) / 4.0;
+                    let t = middle + 0.12 * share;
+                    let s = (t - extent.lo()) / extent.width();
+                    let n = 0.3 * number + ends[0] * (1.0 - s) + ends[1] * s;
+                    let on_floor = [0, 1].map(|k| normal[k] * n + along[k] * t);
+                    let ray = world_from_camera.inverse() * (Vector3::new(on_floor[0], on_floor[1], 0.0) - eye);
+                    let [forward, left] = [ray.x / -ray.z, ray.y / -ray.z].map(|slope| slope * scale * HEIGHT_M);
+                    let [u, v] = [319.5 - left, 239.5 - forward];
+                    // Across the line in the picture, which runs along or across it to some degrees.
+                    let across = shift_px + slope_px * share;
+                    let turn = (world_from_camera.inverse() * Vector3::new(normal[0], normal[1], 0.0)).normalize();
+                    [u - across * turn.y * 0.99, v - across * turn.x * 0.99, bound_px]
+                })
+                .collect();
+            let line = FloorLine { points_px: points.clone(), share_wrong: 0.0, family: 0 };
+            let Some(set) = line_fit::enclose(&points, 0.0) else { continue };
+            let Some(joint) = Joint::new(set.clone(), &line, 0.0, &geometry) else { continue };
+            let mut joints = Joints::new(&geometry);
+            joints.add(&joint, &set, &points);
+
+            let mut domain = Domain::of_constants(&robot);
+            for (axis, half) in [(0, 0.01), (1, 0.02), (2, 0.02)] {
+                let variable = Variable::Pose(4, axis);
+                let around = truth[&variable] + draw.within(Interval::centred(0.0, half));
+                domain.put(variable, Interval::centred(around, half + 1e-12));
+            }
+            let pose = PoseBox::new([0, 1, 2].map(|axis| domain.value(Variable::Pose(4, axis))));
+            joints.quantities(4, &pose).into_iter().for_each(|(variable, value)| domain.put(variable, value));
+            for (variable, value) in domain.iter() {
+                let is_of_wheels = matches!(variable, Variable::Constant(Constant::MetresPerTick(_) | Constant::Track));
+                let true_value = if is_of_wheels { value.mid() } else { truth[&variable] };
+                assert!(value.inflate(1e-12).contains(true_value), "{variable:?}: {true_value} {value}");
+            }
+            for row in joints.rows(4, &stray, &domain) {
+                let value = row.value_at(|variable| truth[&variable] - domain.reference(variable));
+                assert!(row.sides.inflate(1e-9).contains(value), "round {round}: {value} {}", row.sides);
+                nearest = nearest.max((value - row.sides.mid()).abs() / row.sides.radius());
+                n_rows += 1;
+            }
+        }
+        assert!(n_rows > 8_000 && nearest > 0.95, "{n_rows} rows, {nearest}");
+    }
+}
