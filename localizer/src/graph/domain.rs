@@ -17,6 +17,8 @@ pub enum Variable {
     GyroAngle(usize),
     /// Error of the flow sensor's place by its counts at a key frame, along world x (0) or y (1).
     FlowPlace(usize, usize),
+    /// Distance by which everything that the reading at a key frame shows is displaced in common, along world x (0) or y (1).
+    Shift(usize, usize),
     /// Lean of the body at a key frame, as a component of its Cayley vector along x (0) or y (1) of the robot frame.
     BodyTilt(usize, usize),
     /// Coordinate of a landmark in the world: x (0) or y (1).
@@ -88,6 +90,7 @@ impl Variable {
             Variable::GyroBias(_) => Variable::GyroBias(frame),
             Variable::GyroAngle(_) => Variable::GyroAngle(frame),
             Variable::FlowPlace(_, axis) => Variable::FlowPlace(frame, axis),
+            Variable::Shift(_, axis) => Variable::Shift(frame, axis),
             Variable::BodyTilt(_, axis) => Variable::BodyTilt(frame, axis),
             other => other,
         }
@@ -100,6 +103,7 @@ impl Variable {
             | Variable::GyroBias(frame)
             | Variable::GyroAngle(frame)
             | Variable::FlowPlace(frame, _)
+            | Variable::Shift(frame, _)
             | Variable::BodyTilt(frame, _) => Some(frame),
             _ => None,
         }
@@ -163,6 +167,17 @@ impl Domain {
     /// Sets the box of a key frame's pose, whose middle becomes the reference pose.
     pub fn put_pose(&mut self, frame: usize, pose: &PoseBox) {
         (0..3).for_each(|axis| self.put(Variable::Pose(frame, axis), pose[axis]));
+    }
+
+    /// The same domain with the positions at a key frame widened by a distance in any direction; their reference values stay.
+    pub fn displaced(&self, frame: usize, by_m: f64) -> Domain {
+        let mut displaced = self.clone();
+        for axis in 0..2 {
+            if let Some((_, value)) = displaced.values.get_mut(&Variable::Pose(frame, axis)) {
+                *value = value.inflate(by_m);
+            }
+        }
+        displaced
     }
 
     /// Interval of a quantity; empty for one that the domain does not have.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use interval::{
-    Interval, IntervalBox,
+    Interval,
     linear_program::{LinearProgram, ProgramError},
 };
 
@@ -149,9 +149,8 @@ impl KeyFrames {
             let place = flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])));
             let shares_error = place.is_some_and(|[first, _]| *before.place.get_or_insert(first) == first);
             latest.place = place.map(|[_, last]| last);
-            let shift_m = before.shift_m() + latest.shift_m();
             let scale_change = self.flow_scale_change;
-            latest.link = Some(Link::Read(Read { way, flow, shift_m, shares_error, scale_change }));
+            latest.link = Some(Link::Read(Read { way, flow, shares_error, scale_change }));
         }
         if latest.link.is_none() && self.frames.iter().all(|frame| frame.relations.is_none()) {
             // Nothing relates the key frames before to this one.
@@ -177,11 +176,6 @@ impl KeyFrames {
         if let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number) {
             frame.pose[2] = frame.pose[2].intersect(heading);
         }
-    }
-
-    /// Greatest distance between the position that the rows of the latest key frame hold for and the robot's position at its stamp.
-    pub fn latest_shift_m(&self) -> f64 {
-        self.frames.back().map_or(0.0, KeyFrame::shift_m)
     }
 
     /// Forgets all key frames, and what was known of the gyroscope.
@@ -221,9 +215,7 @@ impl KeyFrames {
                 rows.extend(link.rows([before.number, frame.number], &domain));
                 rows.extend(self.drift_row(before, frame, &domain));
             }
-            if let Some(relations) = &frame.relations {
-                rows.extend(relations.rows(frame.number, &frame.stray, &domain));
-            }
+            rows.extend(frame.rows(&domain));
             before = Some(frame);
         }
         Related::new(domain, &rows)
@@ -240,12 +232,17 @@ impl KeyFrames {
                 domain.put(variable, value);
             }
         }
-        let known = known.iter().flat_map(|&(landmark, place)| {
-            [0, 1].map(|axis| (Variable::Landmark(landmark, axis), (0, place[axis])))
-        });
+        let known = known
+            .iter()
+            .flat_map(|&(landmark, place)| [0, 1].map(|axis| (Variable::Landmark(landmark, axis), (0, place[axis]))));
         let mut named: BTreeMap<Variable, (usize, Interval)> = known.collect();
         for frame in &self.frames {
-            domain.put_pose(frame.number, &displaced(&frame.pose, frame.shift_m()));
+            domain.put_pose(frame.number, &frame.pose);
+            let shift_m = frame.shift_m();
+            if shift_m > 0.0 {
+                (0..2)
+                    .for_each(|axis| domain.put(Variable::Shift(frame.number, axis), Interval::centred(0.0, shift_m)));
+            }
             let quantities = frame.relations.iter().flat_map(|one| one.quantities(frame.number, &frame.pose));
             for (variable, value) in quantities {
                 let (n_named, best) = named.entry(variable).or_insert((0, Interval::ENTIRE));
@@ -276,7 +273,9 @@ impl KeyFrames {
     /// Rows that cut the corners off the square about each disc: with components a and b of length r at most, |a ± b| ≤ √2·r.
     fn disc_rows(&self, domain: &Domain) -> Vec<Row> {
         let of_readings = self.frames.iter().flat_map(|frame| {
-            frame.relations.iter().flat_map(|relations| relations.discs(frame.number))
+            let shift = ([0, 1].map(|axis| Variable::Shift(frame.number, axis)), frame.shift_m());
+            let shift = Some(shift).filter(|&(_, shift_m)| shift_m > 0.0);
+            frame.relations.iter().flat_map(|relations| relations.discs(frame.number)).chain(shift)
         });
         let mut discs: BTreeMap<[Variable; 2], f64> = of_readings.collect();
         discs.extend(self.discs.iter().copied());
@@ -322,6 +321,26 @@ impl KeyFrames {
 }
 
 impl KeyFrame {
+    /// The rows of the reading at the key frame.
+    fn rows(&self, domain: &Domain) -> Vec<Row> {
+        let Some(relations) = &self.relations else { return Vec::new() };
+        let shift_m = self.shift_m();
+        if shift_m == 0.0 {
+            return relations.rows(self.number, &self.stray, domain);
+        }
+        let mut rows = relations.rows(self.number, &self.stray, &domain.displaced(self.number, shift_m));
+        // The rows hold for the displaced position, which is the sum of the position and the displacement.
+        for row in &mut rows {
+            for axis in 0..2 {
+                match row.coefficient(Variable::Pose(self.number, axis)) {
+                    0.0 => {}
+                    coefficient => row.terms.push((Variable::Shift(self.number, axis), coefficient)),
+                }
+            }
+        }
+        rows
+    }
+
     fn shift_m(&self) -> f64 {
         self.relations.as_ref().map_or(0.0, |relations| relations.shift_m(&self.stray))
     }
@@ -334,11 +353,6 @@ fn discs_of_constants(robot: &RobotModel) -> Vec<Disc> {
     let ceiling =
         robot.ceiling_camera.iter().map(|camera| (pair(Constant::CeilingTilt), cayley_radius(camera.tilt_rad)));
     floor.chain(ceiling).collect()
-}
-
-/// A box of poses whose positions are displaced by at most a distance, in any direction.
-pub fn displaced(pose: &PoseBox, by_m: f64) -> PoseBox {
-    IntervalBox::from([pose[0].inflate(by_m), pose[1].inflate(by_m), pose[2]])
 }
 
 impl Related {
@@ -364,6 +378,8 @@ impl Related {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use interval::IntervalBox;
+
     use super::*;
     use crate::graph::{
         Hull,
@@ -414,6 +430,69 @@ mod tests {
             // mrad on every way, all to the same side, would add twice 1 % of the path.
             let path_m: f64 = drive.path_m;
             assert!(round % 3 == 2 || last_m < 2.0 * 0.0085 * path_m, "round {round}: {last_m} m after {path_m} m");
+        }
+    }
+
+    /// A reading of the position, displaced by at most 1 cm.
+    struct Displaced([f64; 2]);
+
+    impl Relations for Displaced {
+        fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {
+            Vec::new()
+        }
+
+        fn stamp_error_s(&self) -> f64 {
+            0.0
+        }
+
+        fn shift_m(&self, _stray: &Stray) -> f64 {
+            0.01
+        }
+
+        fn rows(&self, frame: usize, _stray: &Stray, domain: &Domain) -> Vec<Row> {
+            let row = |axis: usize| {
+                let position = Variable::Pose(frame, axis);
+                let sides = Interval::point(self.0[axis]) - domain.reference(position);
+                Row::new(domain, &[(position, Interval::ONE)], sides.inflate(1e-4))
+            };
+            vec![row(0), row(1)]
+        }
+    }
+
+    #[test]
+    fn what_displaces_a_reading_displaces_neither_the_pose_nor_the_way() {
+        let mut draw = Draw::new(20_261_131);
+        for round in 0..20 {
+            let drive = Drive::new(&mut draw, true, 1.0, 2);
+            let history = drive.history(true);
+            let displaced =
+                |truth: &[f64; 3], course: f64| [truth[0] + 0.01 * course.cos(), truth[1] + 0.01 * course.sin()];
+            let courses = [0, 1].map(|_| draw.between(-3.2, 3.2));
+            // The bounds with readings of the position at both key frames, and those by the way alone.
+            let widths = [true, false].map(|is_read| {
+                let mut frames = KeyFrames::new(&robot());
+                for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate() {
+                    let read = Displaced(displaced(truth, courses[at]));
+                    // The first position is known to 1 mm, the second one to 0.1 m.
+                    let half_m = if at == 0 { 0.001 } else { 0.1 };
+                    let pose = [half_m, half_m, 0.001];
+                    let pose = IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], pose[axis])));
+                    frames.push(stamp_s, pose, Stray::default(), is_read.then(|| Arc::new(read) as _));
+                }
+                let [from_s, to_s] = frames.span_before_latest_s().unwrap();
+                let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
+                frames.set_latest(None, flow, Stray::default());
+                let number = frames.latest_number();
+                let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
+                let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);
+                while !hull.advance() {}
+                let bounds = hull.bounds().unwrap();
+                for (bound, truth) in bounds.iter().zip(drive.poses[1]) {
+                    assert!(bound.inflate(1e-9).contains(truth), "round {round}: {truth} not in {bound}");
+                }
+                bounds[0].width().max(bounds[1].width())
+            });
+            assert!(widths[0] <= widths[1].min(0.0202) + 1e-6, "round {round}: {widths:?}");
         }
     }
 }

@@ -28,8 +28,6 @@ pub(super) struct Read {
     pub(super) way: Option<Way>,
     /// By the flow sensor and the gyroscope; `None` where the flow sensor saw nothing.
     pub(super) flow: Option<FlowWay>,
-    /// Greatest distance by which both key frames' positions are displaced from the robot's, in total.
-    pub(super) shift_m: f64,
     /// Whether the flow sensor's place at the first key frame has the same error as in the way before.
     pub(super) shares_error: bool,
     /// Share by which the flow sensor's scale varies.
@@ -52,7 +50,7 @@ impl Link {
             Link::Read(read) => {
                 let mut rows: Vec<Row> = read.flow_rows(frames, domain).into_iter().flatten().collect();
                 match (&read.way, &read.flow) {
-                    (Some(way), _) => rows.extend(way_rows(&way.displaced(read.shift_m), frames[0], frames[1], domain)),
+                    (Some(way), _) => rows.extend(way_rows(way, frames[0], frames[1], domain)),
                     (None, Some(flow)) => rows.extend(gyro_rows(&flow.gyro, flow.span_s, frames, domain)),
                     (None, None) => {}
                 }
@@ -122,8 +120,7 @@ impl Read {
     }
 
     fn flow_rows(&self, frames: [usize; 2], domain: &Domain) -> Option<[Row; 2]> {
-        let rows = flow_rows(self.flow.as_ref()?, frames, self.shares_error, self.scale_change, domain);
-        Some(rows.map(|row| Row { sides: row.sides.inflate(self.shift_m), ..row }))
+        Some(flow_rows(self.flow.as_ref()?, frames, self.shares_error, self.scale_change, domain))
     }
 
     fn in_values(&self, frames: [usize; 2], domain: &Domain) -> Joined {
@@ -132,8 +129,7 @@ impl Read {
             joined.span_s = flow.span_s;
             joined.displacements[0] = self.flow_rows(frames, domain).map(|rows| rows.map(|row| row.in_values(domain)));
         }
-        let way = self.way.as_ref().map(|way| way.displaced(self.shift_m));
-        if let Some(way) = &way {
+        if let Some(way) = &self.way {
             joined.span_s = way.span_s;
             joined.displacements[1] = Some(displacement_rows(way, frames, domain));
         }
@@ -169,7 +165,6 @@ mod tests {
                 Link::Read(Read {
                     way: way.filter(|_| has_way),
                     flow: flow_way.filter(|_| has_flow),
-                    shift_m: 0.0,
                     shares_error: true,
                     scale_change: flow().scale_change,
                 })

@@ -24,7 +24,7 @@ mod way;
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
-pub use key_frames::{KeyFrames, Place, Related, displaced};
+pub use key_frames::{KeyFrames, Place, Related};
 pub use place::SeenPlace;
 pub use relations::{Disc, Relations, Stray};
 pub use row::Row;

@@ -27,7 +27,8 @@ pub trait Relations: Send + Sync {
     fn stamp_error_s(&self) -> f64;
 
     /// Greatest horizontal distance by which everything that the reading shows is displaced in common, such as by the motion within the stamp's
-    /// error. The rows hold for the robot's position displaced by at most that distance.
+    /// error. The rows hold for the robot's position plus a displacement by at most that distance, and the domain that they are made with has the
+    /// displaced position.
     fn shift_m(&self, stray: &Stray) -> f64;
 
     /// The rows of the reading at the key frame with the given number. `stray` bounds the robot's motion within the stamp's error. The domain has the

@@ -10,7 +10,7 @@ use interval::IntervalBox;
 
 use crate::{
     PoseUnion, RobotModel,
-    graph::{Hull, KeyFrames, Place, Relations, Stray, Variable, displaced},
+    graph::{Hull, KeyFrames, Place, Relations, Stray, Variable},
     reading::LandmarkId,
 };
 
@@ -153,7 +153,7 @@ impl Localizer {
         if let (Some(number), &[heading]) = (older_number, older) {
             self.graph.frames.narrow_heading(number, heading);
         }
-        let pose = displaced(&IntervalBox::from([x, y, heading]), self.graph.frames.latest_shift_m());
+        let pose = IntervalBox::from([x, y, heading]);
         self.graph.frames.narrow_latest(&pose);
         let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return };
         slot.related = Some(pose);

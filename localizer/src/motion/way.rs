@@ -58,17 +58,6 @@ pub struct GyroTurn {
     pub summed_rad: Interval,
 }
 
-impl Way {
-    /// The way between two places of which the robot's places at the stamps are at most `by_m` away in total.
-    pub fn displaced(&self, by_m: f64) -> Way {
-        let mut way = self.clone();
-        way.along_m = way.along_m.inflate(by_m);
-        way.shortening_m = way.shortening_m.inflate(by_m);
-        way.lateral_m = way.lateral_m.inflate(by_m);
-        way
-    }
-}
-
 impl WheelHistory {
     /// The way from `from_s` to `to_s`; `None` where the wheel readings in memory do not cover it.
     pub fn way(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Way> {

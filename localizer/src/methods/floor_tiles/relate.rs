@@ -75,7 +75,8 @@ impl Joints {
         let (geometry, frame) = (&self.geometry, 0);
         let stray = Stray::by_reach(geometry.camera.stamp_error_s, &geometry.robot.reach);
         let mut domain = Domain::of_constants(&geometry.robot);
-        domain.put_pose(frame, &crate::graph::displaced(pose, stray.metres));
+        domain.put_pose(frame, pose);
+        let mut domain = domain.displaced(frame, stray.metres);
         let tilt = Interval::centred(0.0, Joints::body_radius(geometry));
         (0..2).for_each(|axis| domain.put(Variable::BodyTilt(frame, axis), tilt));
         let name = |line: &Line| {
