@@ -23,6 +23,11 @@ pub trait Relations: Send + Sync {
         Vec::new()
     }
 
+    /// Whether enough is certain of what the reading shows for its rows to be worth a key frame.
+    fn is_worth_a_key_frame(&self) -> bool {
+        true
+    }
+
     /// Greatest error of the reading's stamp.
     fn stamp_error_s(&self) -> f64;
 

@@ -85,6 +85,7 @@ impl Graph {
 impl Localizer {
     /// Keeps a reading as a key frame if one is due. `posterior` encloses the pose at its stamp.
     pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, relations: Option<Arc<dyn Relations>>) {
+        let relations = relations.filter(|relations| relations.is_worth_a_key_frame());
         let pose = posterior.hull();
         let is_known = !pose.is_empty() && pose[2].width() <= WIDEST_RAD;
         let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;

@@ -24,6 +24,7 @@
 //! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
 
 mod atlas;
+mod codes;
 mod in_order;
 mod keyframes;
 mod sight;
@@ -44,6 +45,7 @@ use crate::{
 };
 
 use atlas::Atlas;
+use codes::{CodeUses, RightCodes};
 use in_order::{InOrder, Learnt};
 use keyframes::KeyFrames;
 use sight::Sightings;
@@ -80,6 +82,8 @@ pub struct RangeLandmarks {
     latest: Option<Latest>,
     /// Readings of landmarks that wait until all readings measured before them have been handled.
     in_order: InOrder,
+    /// The latest uses of each landmark's code, which tell what codes are certainly right.
+    code_uses: CodeUses,
     /// Whether, since the localizer last asked for contradictions, a reading contradicted what was known about the landmarks.
     contradicts: bool,
     /// Landmarks seen in recent readings, with their stamps, from which constraints can be made anew.
@@ -92,6 +96,7 @@ struct Latest {
     stamp_s: f64,
     arrived_s: f64,
     seen: Vec<Seen>,
+    codes: Arc<RightCodes>,
 }
 
 /// Time for which readings are kept so that their constraints can be made anew: longer than the localizer remembers stamps.
@@ -114,6 +119,7 @@ impl RangeLandmarks {
             keyframes: KeyFrames::new(camera.q_items, camera.wrong_spacing),
             latest: None,
             in_order: InOrder::new(camera),
+            code_uses: CodeUses::new(camera.q_items, camera.wrong_spacing),
             contradicts: false,
             recent: VecDeque::new(),
             n_learnt: 0,
@@ -132,17 +138,24 @@ impl RangeLandmarks {
     fn interrupt(&mut self) {
         self.atlas.interrupt();
         self.keyframes.interrupt();
+        self.code_uses.interrupt();
     }
 
     /// Learns landmarks from the next reading in the order of measurement.
     fn take_in(&mut self, stamp_s: f64, learnt: Learnt, motion: MotionBetween) {
         let place = |seen: &Seen| (seen.landmark, in_world(&learnt.posterior, seen));
         let places: Vec<_> = learnt.seen.iter().map(place).collect();
+        let is_wrong = |&(landmark, place): &(LandmarkId, [Interval; 2])| {
+            let known = self.atlas.place(landmark);
+            (landmark, known.is_some_and(|known| (0..2).any(|axis| !known[axis].overlaps(place[axis]))))
+        };
+        let codes: Vec<(LandmarkId, bool)> = places.iter().map(is_wrong).collect();
         if let Outcome::Empty(_) = self.atlas.learn(stamp_s, &places) {
             self.contradicts = true;
             self.interrupt();
             return;
         }
+        self.code_uses.take_in(&codes, &learnt.codes);
         self.n_learnt += 1;
         self.keyframes.keep(stamp_s, learnt.posterior.hull(), learnt.seen, motion);
         if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
@@ -151,10 +164,10 @@ impl RangeLandmarks {
         }
     }
 
-    /// Whether the readings' relations hold as they stand: where a match may be wrong, they do not, and where the heading is known beforehand, as in
-    /// the paper's simpler tables, or another solver is to be compared, they are not used.
+    /// Whether the readings' relations are used: where the heading is known beforehand, as in the paper's simpler tables, or another solver is to be
+    /// compared, they are not.
     fn relates(&self) -> bool {
-        self.q_items == 0 && self.freedom == Freedom::Full && self.solver == Solver::OneShot
+        self.freedom == Freedom::Full && self.solver == Solver::OneShot
     }
 
     /// Pairs of a landmark's box in the world and its box in the robot frame, for each sighting of a landmark whose place is known.
@@ -180,7 +193,9 @@ impl Method for RangeLandmarks {
             return None;
         }
         let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).collect();
-        self.latest = Some(Latest { stamp_s: *measured_s, arrived_s: *arrived_s, seen: seen.clone() });
+        let codes = Arc::new(RightCodes::new(sightings.len(), self.q_items == 0));
+        self.latest =
+            Some(Latest { stamp_s: *measured_s, arrived_s: *arrived_s, seen: seen.clone(), codes: codes.clone() });
         self.recent.push_back((*measured_s, seen.clone()));
         self.recent.retain(|(stamp_s, _)| *stamp_s > measured_s - RECENT_S);
         let pairs = self.pairs(&seen);
@@ -201,13 +216,13 @@ impl Method for RangeLandmarks {
             rejected_px: Vec::new(),
             decides,
             alone_heading_rad: None,
-            relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings)) as _),
+            relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings, codes)) as _),
         })
     }
 
     fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween) {
-        let Some(Latest { stamp_s, arrived_s, seen }) = self.latest.take() else { return };
-        let learnt = Learnt { posterior: posterior.clone(), seen };
+        let Some(Latest { stamp_s, arrived_s, seen, codes }) = self.latest.take() else { return };
+        let learnt = Learnt { posterior: posterior.clone(), seen, codes };
         self.in_order.push(stamp_s, Some(learnt).filter(|learnt| !learnt.posterior.is_empty()));
         for (taken_s, learnt) in self.in_order.take(arrived_s) {
             match learnt {
@@ -229,6 +244,7 @@ impl Method for RangeLandmarks {
     fn forget_since(&mut self, since_s: f64) {
         self.miss_latest();
         self.in_order.forget_since(since_s);
+        self.code_uses.interrupt();
         self.atlas.forget_since(since_s);
         self.keyframes.forget_since(since_s);
     }
@@ -236,6 +252,7 @@ impl Method for RangeLandmarks {
     fn clock_set_back(&mut self) {
         self.latest = None;
         self.in_order.settle();
+        self.code_uses.interrupt();
         self.recent.clear();
         self.atlas.settle();
         self.keyframes.settle();

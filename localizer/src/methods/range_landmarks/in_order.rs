@@ -5,15 +5,19 @@
 //! readings stamped up to now − L − e have then arrived, and none will come between them. Where stamps do not tell the order, no two
 //! readings are known to be consecutive.
 
+use std::sync::Arc;
+
 use crate::{PoseUnion, robot::RangeCameraModel};
 
-use super::Seen;
+use super::{Seen, codes::RightCodes};
 
 /// Data that landmarks are learnt from: the landmarks seen in a reading, and the pose box at its stamp.
 #[derive(Clone, Debug)]
 pub(super) struct Learnt {
     pub(super) posterior: PoseUnion,
     pub(super) seen: Vec<Seen>,
+    /// Which of the sightings certainly have the right code.
+    pub(super) codes: Arc<RightCodes>,
 }
 
 /// Stamp of a reading with the data to learn from; `None` if the reading is not learnt from.

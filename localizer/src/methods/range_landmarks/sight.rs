@@ -17,6 +17,8 @@
 //! robot frame moves there by at most (v + ω|q|)·e. The box is inflated, and not the pose, because the same box is claimed, contracts the
 //! pose at the stamp, and is used to learn the landmark.
 
+use std::sync::Arc;
+
 use interval::Interval;
 
 use crate::{
@@ -25,6 +27,8 @@ use crate::{
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
 };
+
+use super::codes::RightCodes;
 
 /// Landmark seen in a reading, with its box in the robot frame at the reading's stamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,10 +132,19 @@ impl Sensor {
 pub(super) struct Sightings {
     sensor: Sensor,
     sighted: Vec<Sighted>,
+    codes: Arc<RightCodes>,
+    /// Whether a code may be wrong.
+    may_be_wrong: bool,
 }
+
+/// Least number of sightings with certainly right codes for a reading to be worth a key frame where codes may be wrong: two give a pose, and the more
+/// there are, the narrower it is.
+const FEWEST_RIGHT: usize = 4;
 
 /// A sighting whose disparity cannot be 0.
 struct Sighted {
+    /// Number of the sighting in its reading.
+    number: usize,
     sighting: Sighting,
     /// The landmark with its box in the robot frame.
     seen: Seen,
@@ -140,14 +153,21 @@ struct Sighted {
 }
 
 impl Sightings {
-    /// The relations of those sightings whose disparity cannot be 0.
-    pub(super) fn new(sensor: &Sensor, sightings: &[Sighting]) -> Sightings {
-        let sighted = sightings.iter().filter_map(|sighting| {
+    /// The relations of those sightings whose disparity cannot be 0. `codes` says which of them certainly have the right code, by the time at which
+    /// it is asked.
+    pub(super) fn new(sensor: &Sensor, sightings: &[Sighting], codes: Arc<RightCodes>) -> Sightings {
+        let sighted = sightings.iter().enumerate().filter_map(|(number, sighting)| {
             let in_view = sensor.hull_of_cell(sighting, sensor.camera.yaw_rad)?;
             let seen = sensor.seen(sighting);
-            seen.is_bounded().then_some(Sighted { sighting: *sighting, seen, in_view })
+            seen.is_bounded().then_some(Sighted { number, sighting: *sighting, seen, in_view })
         });
-        Sightings { sighted: sighted.collect(), sensor: sensor.clone() }
+        let may_be_wrong = sensor.camera.q_items > 0;
+        Sightings { sighted: sighted.collect(), sensor: sensor.clone(), codes, may_be_wrong }
+    }
+
+    /// The sightings that certainly have the right code.
+    fn right(&self) -> impl Iterator<Item = &Sighted> {
+        self.sighted.iter().filter(|sighted| self.codes.is_right(sighted.number))
     }
 }
 
@@ -157,7 +177,11 @@ impl Relations for Sightings {
             let place = sighted.seen.in_world(pose);
             [0, 1].map(|axis| (Variable::Landmark(sighted.seen.landmark, axis), place[axis]))
         };
-        self.sighted.iter().flat_map(of_landmark).collect()
+        self.right().flat_map(of_landmark).collect()
+    }
+
+    fn is_worth_a_key_frame(&self) -> bool {
+        !self.may_be_wrong || self.right().count() >= FEWEST_RIGHT
     }
 
     fn stamp_error_s(&self) -> f64 {
@@ -174,7 +198,7 @@ impl Relations for Sightings {
             let blur_m = self.sensor.own_displacement(sighted.in_view, stray)?;
             Some(sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain))
         };
-        self.sighted.iter().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
+        self.right().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
     }
 }
 
