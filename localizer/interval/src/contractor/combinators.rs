@@ -5,7 +5,7 @@
 //! depend on each other.
 
 use super::{Contractor, Outcome, settle};
-use crate::IntervalBox;
+use crate::{Interval, IntervalBox};
 
 /// Conjunction of two contractors: x ∈ A and x ∈ B. Sound, because a solution of both constraints survives each contraction in turn.
 #[derive(Clone, Debug)]
@@ -94,11 +94,14 @@ impl<const N: usize, Inner: Contractor<N>> Contractor<N> for Fixpoint<Inner> {
 
 /// Whether some side of the box `after` is narrower than that of `before` by more than the fraction `ratio` of its width.
 fn shrank<const N: usize>(before: &IntervalBox<N>, after: &IntervalBox<N>, ratio: f64) -> bool {
-    before.iter().zip(after).any(|(old, new)| {
-        let (old_width, new_width) = (old.width(), new.width());
-        // Any narrowing of an unbounded interval counts as shrinking, because its width may stay infinite: ∞ · (1 − ratio) is still ∞.
-        new_width < (1.0 - ratio) * old_width || (old_width.is_infinite() && old != new)
-    })
+    before.iter().zip(after).any(|(&old, &new)| narrowed(old, new, ratio))
+}
+
+/// Whether the interval `new` is narrower than `old` by more than the fraction `ratio` of its width.
+pub(super) fn narrowed(old: Interval, new: Interval, ratio: f64) -> bool {
+    let (old_width, new_width) = (old.width(), new.width());
+    // Any narrowing of an unbounded interval counts, because its width may stay infinite: ∞ · (1 − ratio) is still ∞.
+    new_width < (1.0 - ratio) * old_width || (old_width.is_infinite() && old != new)
 }
 
 /// A constraint on `M` of a box's `N` variables, given by a contractor for these `M` variables. Sound, and as tight as that contractor, because the

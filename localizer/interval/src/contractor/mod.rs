@@ -12,6 +12,7 @@
 //! | a coordinate is on one of equally spaced lines | [`Periodic`] |
 //! | a point in space is seen at a pixel of a picture | [`Pinhole`] |
 //! | all constraints hold but at most q | [`QRelaxed`] |
+//! | all constraints of a network hold, on any number of variables that come and go | [`Network`] |
 //! | both of two constraints hold, or at least one of them | [`then`](Contractor::then), [`union`](Contractor::union) |
 //! | one constraint, applied repeatedly or to other axes | [`fixpoint`](Contractor::fixpoint), [`on_axes`](Contractor::on_axes) |
 //!
@@ -36,6 +37,7 @@ mod combinators;
 mod distance;
 mod expression;
 mod forward_backward;
+mod network;
 mod periodic;
 mod pinhole;
 mod polar;
@@ -46,6 +48,7 @@ pub use combinators::{Fixpoint, OnAxes, Then, Union};
 pub use distance::Distance;
 pub use expression::Expression;
 pub use forward_backward::{ForwardBackward, Inverse};
+pub use network::{ContractorId, Network, UnknownVariable, VariableId};
 pub use periodic::Periodic;
 pub use pinhole::Pinhole;
 pub use polar::Polar;

@@ -121,6 +121,13 @@ impl Solver {
         best.for_each(|(row, dual)| duals[row.row] = dual * search.unit / row.divisor);
         duals
     }
+
+    /// The point that the minimisation has come to: inside the box, and once it is done, near a solution with the least cost. Nothing is certified of
+    /// it; whoever needs a point that satisfies the rows checks that.
+    pub fn point(&self, search: &Search) -> Vec<f64> {
+        let values = self.scales.iter().zip(&search.state.x);
+        values.map(|(&[middle, half], x)| middle + half * x.value).collect()
+    }
 }
 
 /// The minimisation of one cost by a [`Solver`], as far as it has come.
@@ -492,6 +499,19 @@ mod tests {
             n_open += usize::from(best - before > 1e-5 * width);
         }
         assert!(n_open * 50 < n_programs, "{n_open} of {n_programs} programs need more than 24 steps");
+    }
+
+    #[test]
+    fn the_point_that_is_reached_is_the_corner_with_the_least_cost() {
+        // By hand: 2x + y over x + y ≤ 4, x ≤ 3 in [0, 10]² is greatest at (3, 1).
+        let mut program = LinearProgram::new(vec![Interval::new(0.0, 10.0); 2]).unwrap();
+        program.add_row(&[(0, 1.0), (1, 1.0)], Interval::new(f64::NEG_INFINITY, 4.0)).unwrap();
+        program.add_row(&[(0, 1.0)], Interval::new(f64::NEG_INFINITY, 3.0)).unwrap();
+        let mut solver = Solver::new(&program);
+        let mut search = solver.begin(&[(0, -2.0), (1, -1.0)]);
+        while !solver.advance(&mut search, 5) {}
+        let point = solver.point(&search);
+        assert!((point[0] - 3.0).abs() < 1e-4 && (point[1] - 1.0).abs() < 1e-4, "{point:?}");
     }
 
     #[test]
