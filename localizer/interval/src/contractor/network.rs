@@ -88,9 +88,12 @@ struct Variable {
 
 struct Member {
     on: Vec<VariableId>,
-    apply: Box<dyn Fn(&mut [Interval]) -> Outcome + Send + Sync>,
+    apply: Box<Application>,
     is_listed: bool,
 }
+
+/// Contracts the intervals of a contractor's variables.
+type Application = dyn Fn(&mut [Interval]) -> Outcome + Send + Sync;
 
 impl Network {
     /// Greatest number of applications in one call of [`contract`](Self::contract), per contractor. Where convergence is so slow, each application
