@@ -7,7 +7,7 @@ DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify falsify-scenes power driver build
+.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -21,6 +21,7 @@ help:
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
 	@echo "make gallery       take the pictures of README's gallery anew; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
+	@echo "make straight-drive  rerun paper 4's numerical experiment and put its tables and figure into the book: two minutes"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
 	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
@@ -69,6 +70,10 @@ gallery: driver build
 
 experiments: driver build allan
 	scripts/experiments $(ISSUE)
+
+straight-drive:
+	cargo run -p wherein-localizer --example straight_drive target/straight_drive
+	$(PYTHON) scripts/straight_drive target/straight_drive/results.csv
 
 falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
