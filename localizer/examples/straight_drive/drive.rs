@@ -17,9 +17,9 @@ const SPEED_M_PER_S: f64 = 0.1;
 /// Nearest that a landmark may be to the start, measured along the vehicle's axis: our assumption, because the paper has none. Any value below the
 /// landmarks' depths will do; after a few steps the pictures tell more.
 pub(crate) const LEAST_DEPTH_M: f64 = 0.1;
-/// Where the landmarks are. The paper does not say. We have placed four of them 2.2 to 2.7 m ahead, to both sides, above and below the camera, so that
-/// the mean widths in x, y and z have about the paper's ratio. The fifth is almost on the axis, where driving ahead tells little of its depth: the
-/// paper has five landmarks of which four converge.
+/// Where the landmarks are. The paper does not say. We have placed four of them 2.2 to 2.7 m ahead, to both sides, above and below the camera, so
+/// that the mean widths in x, y and z have about the paper's ratio. The fifth is almost on the axis, where driving ahead tells little of its depth:
+/// the paper has five landmarks of which four converge.
 pub(crate) const LANDMARKS_M: [[f64; 3]; 5] =
     [[2.2, 0.9, 0.3], [2.4, -1.0, -0.25], [2.7, 1.2, -0.35], [2.5, -1.05, 0.4], [4.0, 0.06, 0.03]];
 /// How many of the landmarks, from the first, the paper's means are over.
@@ -39,8 +39,9 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
-    /// The settings whose results are on the book's page of the papers. The odometer's scale is known to 0.2 % and its gyroscope's bias to 0.03°/s (10⁻⁴
-    /// rad in 0.2 s). The drive is so long that LIC's mean widths are like those in the paper; seeds 100 to 102 were used for that, and no others.
+    /// The settings whose results are on the book's page of the papers. The odometer's scale is known to 0.2 % and its gyroscope's bias to 0.03°/s
+    /// (10⁻⁴ rad in 0.2 s). The drive is so long that LIC's mean widths are like those in the paper; seeds 100 to 102 were used for that, and no
+    /// others.
     pub(crate) const OURS: Settings =
         Settings { n_steps: 60, step_s: 0.2, distance_error: 0.002, turn_error_rad: 1e-4 };
 
