@@ -1,12 +1,12 @@
 //! Tests of the whole experiment on a few drives, and of the rows on motions in all directions.
 #![allow(clippy::unwrap_used)]
 
-use interval::Interval;
+use interval::{Interval, contractor::Outcome};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::boxes::{contract_locally, contract_window};
+use crate::boxes::{Boxes, contract_all, contract_locally, contract_window};
 use crate::drive::{Drive, LANDMARKS_M, Motion, Settings, Step, projected};
 use crate::related::relate;
 use crate::rows::{Row, Surroundings, quantities};
@@ -112,6 +112,33 @@ fn the_truth_satisfies_every_row_at_the_ends_of_all_readings() {
             assert!(row.sides.inflate(rounding).contains(value), "round {round}: {value} in {row:?}");
         }
     }
+}
+
+#[test]
+fn contractors_keep_the_truth_of_drives_with_turns() {
+    let random = &mut ChaCha8Rng::seed_from_u64(6);
+    let mut n_contracted = 0;
+    for round in 0..2_000 {
+        let drive = any_drive(random);
+        let (poses, rays) = (drive.truth.poses(), drive.truth.landmarks);
+        let mut around = |value: f64| {
+            let [below, above] = [(); 2].map(|()| random.random_range(0.0..0.2));
+            Interval::new(value - below, value + above)
+        };
+        let known = Boxes {
+            poses: poses.iter().map(|pose| pose.map(&mut around)).collect(),
+            rays: rays.map(|ray| ray.map(&mut around)),
+        };
+        let (left, outcome) = contract_all(&drive, &known).unwrap();
+        assert_eq!(outcome, Outcome::Feasible, "round {round}");
+        let sides = left.poses.iter().chain(&left.rays).flatten().zip(poses.iter().chain(&rays).flatten());
+        for (side, &truth) in sides {
+            assert!(side.inflate(1e-9).contains(truth), "round {round}: {truth} is not in {side}");
+        }
+        let widths = |boxes: &Boxes| boxes.rays.iter().flatten().map(|side| side.width()).sum::<f64>();
+        n_contracted += usize::from(widths(&left) < 0.5 * widths(&known));
+    }
+    assert!(n_contracted > 500, "only {n_contracted} drives are contracted to half of their landmarks' widths");
 }
 
 #[test]
