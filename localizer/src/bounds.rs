@@ -17,6 +17,31 @@ pub struct Bound {
     pub what: &'static str,
 }
 
+/// How doubtful a bound is before anything was read: 0 for the most doubtful ones. What an event can break, such as a push, oil on the floor or a
+/// thing that was moved, is more doubtful than what was measured once and does not change, and an event that is common more so than a rare one.
+pub fn doubtfulness(bound: &str) -> usize {
+    EVENTS.iter().position(|one| *one == bound).unwrap_or(EVENTS.len())
+}
+
+/// Bounds that an event can break, the most doubtful first.
+const EVENTS: [Assumption; 15] = [
+    WHEELS_SLIP,
+    WHEELS_SIDE_SLIP,
+    MARKERS_PLACEMENT,
+    FLOOR_TILES_LAYING,
+    WALL_DIRECTIONS_DIRECTION,
+    FLOW_SCALE,
+    GNSS_FIXED,
+    REACH_ACCELERATION,
+    BODY_TILT,
+    BODY_HEAVE,
+    WHEELS_REST,
+    RANGE_LANDMARKS_Q_ITEMS,
+    FLOW_BACK_AND_FORTH,
+    REACH_SPEED,
+    REACH_TURN_RATE,
+];
+
 /// Defines a constant for the name of each bound, and the table of all bounds.
 macro_rules! bounds {
     ($(#[doc = $what:literal] $constant:ident = $name:literal in $unit:literal;)+) => {

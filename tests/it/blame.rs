@@ -54,7 +54,7 @@ fn record(scene: &Scene) -> RunRecord {
 fn estimate(time_s: f64, about: Pose) -> Estimate {
     let pose = PoseBox::from(about.to_array().map(|value| Interval::centred(value, 0.01)));
     let relies_on = vec!["wheels.slip", "wheels.side_slip"];
-    Estimate { time_s, pose: PoseUnion::single(pose), status: Status::Sound, relies_on }
+    Estimate { time_s, pose: PoseUnion::single(pose), status: Status::Sound, relies_on, contradicting: None }
 }
 
 /// Moves the estimated boxes of the last half second away from the true poses.

@@ -29,6 +29,7 @@ fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
             pose: pose_box,
             status: Status::Sound,
             relies_on: vec!["wheels.slip"],
+            contradicting: None,
         });
         record.odometry.push(pose);
     }

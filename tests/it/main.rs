@@ -163,6 +163,7 @@ mod blame;
 /// that a fault that shrinks them would be noticed.
 mod corner_runs;
 /// Tests of doubt: what the localizer doubts, how soon, and when its box contains the truth again.
+mod contradictions;
 mod doubts;
 /// Tests of readings that come long after the slot (stored pose) before them, or after silent wheels, and of headings when nothing else is known.
 mod slots;

@@ -69,7 +69,13 @@ pub(crate) fn estimate(truth: &Truth) -> Estimate {
         Interval::centred(pose.y_m, 0.001),
         Interval::centred(pose.heading_rad, 0.001),
     ]);
-    Estimate { time_s: truth.time_s, pose: PoseUnion::single(pose), status: Status::Sound, relies_on: Vec::new() }
+    Estimate {
+        time_s: truth.time_s,
+        pose: PoseUnion::single(pose),
+        status: Status::Sound,
+        relies_on: Vec::new(),
+        contradicting: None,
+    }
 }
 
 /// Drives the scene's route by estimates that are right to within a millimetre and a milliradian; returns the true state every 10 ms.

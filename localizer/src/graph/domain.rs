@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use interval::Interval;
 
-use crate::{PoseBox, RobotModel, markers::MarkerId, reading::LandmarkId, robot::cayley_radius};
+use crate::{
+    PoseBox, RobotModel, bounds, bounds::Assumption, markers::MarkerId, reading::LandmarkId, robot::cayley_radius,
+};
 
 /// A quantity that the rows of the graph relate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -106,6 +108,50 @@ impl Variable {
             | Variable::Shift(frame, _)
             | Variable::BodyTilt(frame, _) => Some(frame),
             _ => None,
+        }
+    }
+
+    /// The declared bound that makes the quantity's interval; `None` for poses and landmarks, whose boxes come from many readings, and for errors of
+    /// counting.
+    pub fn bound(self) -> Option<Assumption> {
+        match self {
+            Variable::GyroBias(_) => Some(bounds::GYRO_BIAS),
+            Variable::GyroAngle(_) => Some(bounds::GYRO_ANGLE),
+            Variable::BodyTilt(..) => Some(bounds::BODY_TILT),
+            Variable::Marker(..) => Some(bounds::MARKERS_PLACEMENT),
+            Variable::MarkerHeight(_) => Some(bounds::MARKERS_HEIGHT),
+            Variable::JointEnd(..) => Some(bounds::FLOOR_TILES_LAYING),
+            Variable::Constant(constant) => Some(constant.bound()),
+            _ => None,
+        }
+    }
+}
+
+impl Constant {
+    /// The declared bound that makes the constant's interval.
+    pub fn bound(self) -> Assumption {
+        match self {
+            Constant::MetresPerTick(_) => bounds::WHEELS_RADIUS,
+            Constant::Track => bounds::WHEELS_TRACK,
+            Constant::GyroScale => bounds::GYRO_SCALE,
+            Constant::GyroBias => bounds::GYRO_BIAS,
+            Constant::RangeFocal => bounds::RANGE_CAMERA_FOCAL,
+            Constant::RangeBaseline => bounds::RANGE_CAMERA_BASELINE,
+            Constant::RangePosition(_) => bounds::RANGE_CAMERA_POSITION,
+            Constant::RangeYaw => bounds::RANGE_CAMERA_YAW,
+            Constant::FlowMetresPerCount => bounds::FLOW_CALIBRATION,
+            Constant::FlowYaw => bounds::FLOW_YAW,
+            Constant::FlowPosition(_) => bounds::FLOW_POSITION,
+            Constant::FloorScale => bounds::FLOOR_CAMERA_SCALE,
+            Constant::FloorYaw => bounds::FLOOR_CAMERA_YAW,
+            Constant::FloorTilt(_) => bounds::FLOOR_CAMERA_TILT,
+            Constant::FloorPosition(_) => bounds::FLOOR_CAMERA_POSITION,
+            Constant::CeilingFocal(_) => bounds::CEILING_CAMERA_FOCAL,
+            Constant::CeilingCentre(_) => bounds::CEILING_CAMERA_CENTRE,
+            Constant::CeilingYaw => bounds::CEILING_CAMERA_YAW,
+            Constant::CeilingTilt(_) => bounds::CEILING_CAMERA_TILT,
+            Constant::CeilingPosition(_) => bounds::CEILING_CAMERA_POSITION,
+            Constant::CeilingHeight => bounds::CEILING_CAMERA_HEIGHT,
         }
     }
 }

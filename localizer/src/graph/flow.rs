@@ -12,7 +12,7 @@
 
 use interval::Interval;
 
-use crate::motion::FlowWay;
+use crate::{bounds, motion::FlowWay};
 
 use super::{
     Constant, Domain, Row, Variable,
@@ -126,7 +126,13 @@ impl<'a> Flow<'a> {
         terms.push((Variable::Constant(Constant::FlowYaw), -across(all)));
         let metres = Variable::Constant(Constant::FlowMetresPerCount);
         terms.push((metres, -self.metres * all[axis] / domain.reference(metres)));
+        let angle_is_bounded = !domain.value(Variable::GyroAngle(from)).is_empty();
+        let noise = if angle_is_bounded { bounds::GYRO_ANGLE } else { bounds::GYRO_NOISE };
         Row::new(domain, &terms, sides)
+            .with_part(bounds::FLOW_SCALE, way.scale_error_m[axis])
+            .with_part(noise, way.noise_error_m[axis])
+            .by_device("flow")
+            .by_device("gyro")
     }
 
     /// Adds the terms of `sign`·R(θ)·a along an axis of the world, and returns its value at the reference with what is not linear.
@@ -175,6 +181,9 @@ mod tests {
                 (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), error_m));
             }
             let rows = [0, 1].map(|at| flow_rows(&ways[at], [at, at + 1], true, flow().scale_change, &domain));
+            for row in rows.iter().flatten() {
+                assert!(row.named_half() <= row.sides.radius() * (1.0 + 1e-9), "{row:?}");
+            }
             for axis in [0, 1] {
                 // What is left for E_b − E_a in the first way and for E_c − E_b in the second one.
                 let left = [0, 1].map(|at| {

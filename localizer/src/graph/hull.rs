@@ -2,10 +2,10 @@
 
 use interval::{
     Interval,
-    linear_program::{Search, Solver, certified_maximum, certified_minimum},
+    linear_program::{Search, Shares, Solver, certified_maximum, certified_minimum, shares},
 };
 
-use super::{Related, Variable};
+use super::{Related, Variable, width::WidthParts};
 
 /// Steps of the solver at a time. A program takes some twelve, so that eight programs are solved within sixteen wheel readings. With four at a time,
 /// the bounds came later, and the boxes of paper 3's loop were 74.8 mm wide in place of 72.4 (seed 0).
@@ -24,6 +24,8 @@ pub struct Hull {
     wanted: Vec<(Variable, usize)>,
     /// The bounds certified so far: the least value of the first quantity, its greatest value, the least of the second, …
     certified: Vec<f64>,
+    /// What each of these bounds consists of.
+    shares: Vec<Option<Shares>>,
 }
 
 impl Hull {
@@ -31,7 +33,7 @@ impl Hull {
     pub fn new(related: Related, wanted: Vec<Variable>) -> Hull {
         let wanted = wanted.into_iter().filter_map(|variable| Some((variable, related.index(variable)?))).collect();
         let solver = Solver::new(&related.program);
-        Hull { related, solver, search: None, wanted, certified: Vec::new() }
+        Hull { related, solver, search: None, wanted, certified: Vec::new(), shares: Vec::new() }
     }
 
     /// Takes some steps of the solver. Returns whether the last program is solved.
@@ -45,9 +47,21 @@ impl Hull {
             let duals = self.solver.duals(search);
             let certified = if is_least { certified_minimum } else { certified_maximum };
             self.certified.push(certified(&self.related.program, &[(index, 1.0)], &duals));
+            self.shares.push(shares(&self.related.program, &[(index, sign)], &duals));
             self.search = None;
         }
         self.certified.len() == 2 * self.wanted.len()
+    }
+
+    /// What makes the widths of the bounds, in the order in which they were asked for.
+    pub fn width_parts(&self) -> Vec<WidthParts> {
+        let sides = self.shares.chunks_exact(2).filter_map(|sides| Some([sides[0].as_ref()?, sides[1].as_ref()?]));
+        sides.map(|sides| WidthParts::new(&self.related, sides)).collect()
+    }
+
+    /// The program and its labels.
+    pub fn into_related(self) -> Related {
+        self.related
     }
 
     /// The bounds of the quantities in the order in which they were asked for; `None` where the rows contradict each other.

@@ -5,20 +5,17 @@ use std::{
     sync::Arc,
 };
 
-use interval::{
-    Interval,
-    linear_program::{LinearProgram, ProgramError},
-};
+use interval::{Interval, linear_program::ProgramError};
 
 use crate::{
-    PoseBox, RobotModel,
+    PoseBox, RobotModel, bounds,
     motion::{FlowWay, Way},
     reading::LandmarkId,
     robot::{GyroModel, cayley_radius},
 };
 
 use super::{
-    Constant, Disc, Domain, Relations, Row, Stray, Variable,
+    BoxLabel, Constant, Disc, Domain, Related, Relations, Row, Stray, Variable,
     link::{Link, Read},
 };
 
@@ -40,6 +37,8 @@ struct KeyFrame {
     stamp_s: f64,
     /// Box of the pose: as it was known when the key frame was made, narrowed since by bounds of the linear program.
     pose: PoseBox,
+    /// The reading that makes the pose's box, if it is of one.
+    label: Option<BoxLabel>,
     /// The way from the key frame before; `None` for the first one, and where no reading of the motion is to be believed.
     link: Option<Link>,
     /// What a reading at this stamp relates, if there is one.
@@ -63,17 +62,6 @@ pub struct KeyFrames {
     /// known.
     gyro_errors: Vec<[f64; 2]>,
     next_number: usize,
-}
-
-/// A linear program over the deviations of all quantities from their reference values.
-#[derive(Clone, Debug)]
-pub struct Related {
-    /// The program, whose variables are in the order of `variables`.
-    pub program: LinearProgram,
-    /// The quantities.
-    pub variables: Vec<Variable>,
-    /// The reference values and boxes of the quantities.
-    pub domain: Domain,
 }
 
 impl KeyFrames {
@@ -117,12 +105,24 @@ impl KeyFrames {
         if self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= APART_S) {
             self.frames.pop_back();
         }
-        let number = self.next_number;
-        self.next_number += 1;
-        let (link, place) = (None, None);
-        self.frames.push_back(KeyFrame { number, stamp_s, pose, link, relations, stray, place });
+        self.push_beside(stamp_s, pose, stray, relations);
         if self.frames.len() > MOST {
             self.drop_one();
+        }
+    }
+
+    /// Adds a key frame with a later stamp than all others, however near to them.
+    pub fn push_beside(&mut self, stamp_s: f64, pose: PoseBox, stray: Stray, relations: Option<Arc<dyn Relations>>) {
+        let number = self.next_number;
+        self.next_number += 1;
+        let (label, link, place) = (None, None, None);
+        self.frames.push_back(KeyFrame { number, stamp_s, pose, label, link, relations, stray, place });
+    }
+
+    /// Says which reading makes the box of the latest key frame's pose.
+    pub fn label_latest(&mut self, label: Option<BoxLabel>) {
+        if let Some(latest) = self.frames.back_mut() {
+            latest.label = label;
         }
     }
 
@@ -207,18 +207,24 @@ impl KeyFrames {
     /// The linear program of all key frames. `known` are places of landmarks that follow from other readings.
     pub fn related(&self, known: &[(LandmarkId, Place)]) -> Result<Related, ProgramError> {
         let domain = self.domain(known);
-        let mut rows = self.gyro_rows(&domain);
-        rows.extend(self.disc_rows(&domain));
+        let whole_s = [self.frames.front(), self.frames.back()].map(|frame| frame.map_or(0.0, |frame| frame.stamp_s));
+        let of_constants = self.gyro_rows(&domain).into_iter().chain(self.disc_rows(&domain));
+        let mut rows: Vec<(Row, [f64; 2])> = of_constants.map(|row| (row, whole_s)).collect();
         let mut before: Option<&KeyFrame> = None;
         for frame in &self.frames {
             if let (Some(before), Some(link)) = (before, &frame.link) {
-                rows.extend(link.rows([before.number, frame.number], &domain));
-                rows.extend(self.drift_row(before, frame, &domain));
+                let span_s = [before.stamp_s, frame.stamp_s];
+                let between = link.rows([before.number, frame.number], &domain).into_iter();
+                rows.extend(between.chain(self.drift_row(before, frame, &domain)).map(|row| (row, span_s)));
             }
-            rows.extend(frame.rows(&domain));
+            rows.extend(frame.rows(&domain).into_iter().map(|row| (row, [frame.stamp_s; 2])));
             before = Some(frame);
         }
-        Related::new(domain, &rows)
+        let labels = self.frames.iter().filter_map(|frame| Some((frame, frame.label?)));
+        let boxes = labels.flat_map(|(frame, label)| {
+            (0..3).filter(move |&axis| label.axes[axis]).map(move |axis| (Variable::Pose(frame.number, axis), label))
+        });
+        Related::new(domain, rows, boxes.collect())
     }
 
     /// The boxes of all quantities: of the landmarks, all that are seen from two key frames or more.
@@ -300,6 +306,8 @@ impl KeyFrames {
             let sides = corners.iter().map(|&corner| side(corner)).fold(Interval::EMPTY, Interval::hull);
             let reference = GYRO_ERRORS.map(|variable| domain.reference(variable));
             Row::new(domain, &[(GYRO_ERRORS[0], normal[0]), (GYRO_ERRORS[1], normal[1])], sides - side(reference))
+                .with_part(bounds::GYRO_BIAS, sides.radius())
+                .by_device("gyro")
         };
         corners.iter().enumerate().map(across).collect()
     }
@@ -316,7 +324,8 @@ impl KeyFrames {
         let one = Interval::point(1.0);
         let at_reference = Interval::point(domain.reference(biases[1])) - domain.reference(biases[0]);
         let sides = Interval::ZERO.hull(drift).hull(-drift) - at_reference;
-        Some(Row::new(domain, &[(biases[1], one), (biases[0], -one)], sides))
+        let row = Row::new(domain, &[(biases[1], one), (biases[0], -one)], sides);
+        Some(row.with_part(bounds::GYRO_WANDER, drift.hi()).by_device("gyro"))
     }
 }
 
@@ -353,26 +362,6 @@ fn discs_of_constants(robot: &RobotModel) -> Vec<Disc> {
     let ceiling =
         robot.ceiling_camera.iter().map(|camera| (pair(Constant::CeilingTilt), cayley_radius(camera.tilt_rad)));
     floor.chain(ceiling).collect()
-}
-
-impl Related {
-    fn new(domain: Domain, rows: &[Row]) -> Result<Related, ProgramError> {
-        let variables: Vec<Variable> = domain.iter().map(|(variable, _)| variable).collect();
-        let index: BTreeMap<Variable, usize> = variables.iter().enumerate().map(|(idx, &one)| (one, idx)).collect();
-        let deviations = variables.iter().map(|&variable| domain.deviation(variable)).collect();
-        let mut program = LinearProgram::new(deviations)?;
-        for row in rows {
-            let terms: Vec<(usize, f64)> =
-                row.terms.iter().map(|&(variable, coefficient)| (index[&variable], coefficient)).collect();
-            program.add_row(&terms, row.sides)?;
-        }
-        Ok(Related { program, variables, domain })
-    }
-
-    /// Index of a quantity among the program's variables.
-    pub fn index(&self, variable: Variable) -> Option<usize> {
-        self.variables.iter().position(|&one| one == variable)
-    }
 }
 
 #[cfg(test)]

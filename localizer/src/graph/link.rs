@@ -146,6 +146,7 @@ mod tests {
     use interval::Interval;
 
     use super::*;
+    use crate::bounds;
     use crate::graph::trial::{Draw, Drive, flow, reach, rounds, wheels};
 
     #[test]
@@ -173,10 +174,17 @@ mod tests {
             for frame in 0..3 {
                 (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), error));
             }
+            let scale_m =
+                |link: &Link| link.read().and_then(|read| read.flow.as_ref()).map_or(0.0, |flow| flow.scale_error_m[0]);
+            let scales_m = scale_m(&links[0]) + scale_m(&links[1]);
             let joined = links[0].join(&links[1], [0, 1, 2], &domain).unwrap();
             let rows = joined.rows([0, 2], &domain);
             assert_eq!(rows.len(), if round % 3 == 1 { 3 } else { 5 });
+            // Along x the parts of a varying scale of both ways add up.
+            let part = rows[0].parts.iter().find(|(bound, _)| *bound == bounds::FLOW_SCALE).map_or(0.0, |part| part.1);
+            assert!((part - scales_m).abs() < 1e-12, "round {round}: {part} of {scales_m}");
             for (idx, row) in rows.iter().enumerate() {
+                assert!(row.named_half() <= row.sides.radius() * (1.0 + 1e-9), "{row:?}");
                 assert!(row.terms.iter().all(|&(variable, _)| variable.frame() != Some(1)), "{row:?}");
                 let mut sides = row.sides.inflate(1e-7);
                 let value = row.value_at(|variable| match variable {

@@ -8,25 +8,31 @@
 //! Rotations enter by identities that are exact for any angle: with a direction n that turns by δ from n₀, and its perpendicular,
 //! n₀·d = (n·d) cos δ − (m·d) sin δ. Only sin δ − δ and 1 − cos δ have to be enclosed, and no box of a landmark is needed.
 
+mod conflict;
 mod domain;
 mod flow;
 mod hull;
 mod key_frames;
 mod link;
 mod place;
+mod related;
 mod relations;
 mod row;
 mod sighting;
 #[cfg(test)]
 pub(crate) mod trial;
 mod way;
+mod width;
 
+pub use conflict::{Conflict, ConflictSearch};
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
-pub use key_frames::{KeyFrames, Place, Related};
+pub use key_frames::{KeyFrames, Place};
 pub use place::SeenPlace;
+pub use related::{BoxLabel, Readings, Related, RowLabel};
 pub use relations::{Disc, Relations, Stray};
 pub use row::Row;
 pub use sighting::sighting_rows;
 pub use way::way_rows;
+pub use width::WidthParts;

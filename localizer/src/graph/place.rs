@@ -12,6 +12,8 @@
 
 use interval::Interval;
 
+use crate::bounds::Assumption;
+
 use super::{
     Constant, Domain, Row, Stray, Variable,
     row::{axes, cosine_rest, dot, sine_rest},
@@ -20,6 +22,8 @@ use super::{
 /// Place of a point of the building that a camera sees, in the robot frame turned by the error of the camera's yaw.
 #[derive(Clone, Debug)]
 pub struct SeenPlace {
+    /// Name of the camera, as in the names of its bounds.
+    pub device: &'static str,
     /// The camera's rotation about the vertical, and its nominal value.
     pub yaw: (Constant, f64),
     /// The place, forward and left, where every quantity has the value that it is counted from.
@@ -27,8 +31,9 @@ pub struct SeenPlace {
     /// Quantities that the place depends on, each with the value that it is counted from, and the derivatives of forward and left. A quantity of a
     /// key frame is that of the key frame of the reading, whatever number is given here.
     pub terms: Vec<(Variable, f64, [Interval; 2])>,
-    /// Errors of this reading of the point alone: vectors forward and left, each times an unknown number in an interval.
-    pub noise_m: Vec<([Interval; 2], Interval)>,
+    /// Errors of this reading of the point alone: vectors forward and left, each times an unknown number in an interval, with the declared bound that
+    /// the number has.
+    pub noise_m: Vec<([Interval; 2], Interval, Option<Assumption>)>,
     /// Greatest turn of the picture about the vertical that neither the heading nor the camera's yaw tells.
     pub turn_rad: f64,
 }
@@ -86,7 +91,7 @@ impl SeenPlace {
                 over_box_m[axis] += slopes[axis] * anywhere;
             }
         }
-        for &(slopes, noise) in &self.noise_m {
+        for &(slopes, noise, _) in &self.noise_m {
             (0..2).for_each(|axis| over_box_m[axis] += slopes[axis] * noise);
         }
         PlaceAt {
@@ -136,12 +141,15 @@ impl PlaceAt<'_> {
         terms.push((Variable::Pose(frame, 2), -left_0));
         terms.push((Variable::Constant(self.seen.yaw.0), -left_0));
         sides += dot(in_picture, self.at_reference_m);
-        for &(slopes, noise) in &self.seen.noise_m {
-            sides += dot(in_picture, slopes) * noise;
+        let mut parts = Vec::new();
+        for &(slopes, noise, bound) in &self.seen.noise_m {
+            let error = dot(in_picture, slopes) * noise;
+            sides += error;
+            parts.extend(bound.map(|bound| (bound, error.radius())));
         }
         sides -= ahead * cosine_rest(self.delta);
         sides += (left - left_0) * self.delta.sin() + left_0 * sine_rest(self.delta);
-        Row::new(domain, &terms, sides.inflate(self.blur_m()))
+        Row::new(domain, &terms, sides.inflate(self.blur_m())).by_device(self.seen.device).with_parts(1.0, &parts)
     }
 
     /// m·a and m·J·a of a place a.

@@ -2,6 +2,8 @@
 
 use interval::Interval;
 
+use crate::bounds::Assumption;
+
 use super::{Domain, Variable};
 
 /// A linear row: the sum of coefficients times deviations from reference values is within an interval.
@@ -11,6 +13,11 @@ pub struct Row {
     pub terms: Vec<(Variable, f64)>,
     /// The interval that the sum is within.
     pub sides: Interval,
+    /// What of the half width of the sides comes from which declared bound. The rest is what the row loses by linearisation, and what has no name,
+    /// such as quantisation. Parts only explain the row; no bound of a quantity depends on them.
+    pub parts: Vec<(Assumption, f64)>,
+    /// Names of the devices whose readings the row comes from.
+    pub devices: Vec<&'static str>,
 }
 
 impl Row {
@@ -18,7 +25,7 @@ impl Row {
     ///
     /// The middle of each interval becomes the coefficient, and the rest times the possible deviations is added to the sides.
     pub(super) fn new(domain: &Domain, terms: &[(Variable, Interval)], sides: Interval) -> Row {
-        let mut row = Row { terms: Vec::with_capacity(terms.len()), sides };
+        let mut row = Row { terms: Vec::with_capacity(terms.len()), sides, parts: Vec::new(), devices: Vec::new() };
         for &(variable, coefficient) in terms {
             let deviation = domain.deviation(variable);
             if deviation == Interval::ZERO {
@@ -39,14 +46,37 @@ impl Row {
         row
     }
 
+    /// The same row with a further part of its sides that a declared bound makes.
+    pub(crate) fn with_part(mut self, bound: Assumption, half: f64) -> Row {
+        match self.parts.iter_mut().find(|(other, _)| *other == bound) {
+            Some((_, sum)) => *sum += half,
+            None if half > 0.0 => self.parts.push((bound, half)),
+            None => {}
+        }
+        self
+    }
+
+    /// The same row with further parts, each `times` as large as given.
+    pub(super) fn with_parts(self, times: f64, parts: &[(Assumption, f64)]) -> Row {
+        parts.iter().fold(self, |row, &(bound, half)| row.with_part(bound, times * half))
+    }
+
+    /// The same row, which comes from readings of the device with the given name, too.
+    pub(super) fn by_device(mut self, device: &'static str) -> Row {
+        if !self.devices.contains(&device) {
+            self.devices.push(device);
+        }
+        self
+    }
+
     /// The same row for the values of the quantities in place of their deviations: it holds whatever the reference values.
     pub(super) fn in_values(&self, domain: &Domain) -> Row {
-        Row { terms: self.terms.clone(), sides: self.sides + self.at_reference(domain) }
+        Row { sides: self.sides + self.at_reference(domain), ..self.clone() }
     }
 
     /// A row in values as a row in the deviations from the domain's reference values.
     pub(super) fn about(&self, domain: &Domain) -> Row {
-        Row { terms: self.terms.clone(), sides: self.sides - self.at_reference(domain) }
+        Row { sides: self.sides - self.at_reference(domain), ..self.clone() }
     }
 
     fn at_reference(&self, domain: &Domain) -> Interval {
@@ -60,7 +90,7 @@ impl Row {
     }
 
     /// The sum of multiples of rows in values. What is left of quantities that are dropped is enclosed over their intervals, and so are the rounding
-    /// errors of the coefficients.
+    /// errors of the coefficients. Parts add up; the bound of a dropped quantity makes a part, too.
     pub(super) fn sum(rows: &[(f64, &Row)], dropped: impl Fn(Variable) -> bool, domain: &Domain) -> Row {
         let mut coefficients: Vec<(Variable, Interval)> = Vec::new();
         let mut sides = Interval::ZERO;
@@ -74,15 +104,27 @@ impl Row {
                 }
             }
         }
-        let mut terms = Vec::with_capacity(coefficients.len());
+        let labels = Row { terms: Vec::new(), sides, parts: Vec::new(), devices: Vec::new() };
+        let mut sum = rows.iter().fold(labels, |sum, &(times, row)| {
+            row.devices.iter().fold(sum.with_parts(times.abs(), &row.parts), |sum, &device| sum.by_device(device))
+        });
         for (variable, coefficient) in coefficients {
             let kept = if dropped(variable) { 0.0 } else { coefficient.mid() };
-            sides -= (coefficient - Interval::point(kept)) * domain.value(variable);
+            if let Some(bound) = variable.bound().filter(|_| dropped(variable)) {
+                sum = sum.with_part(bound, coefficient.magnitude() * domain.value(variable).radius());
+            }
+            sum.sides -= (coefficient - Interval::point(kept)) * domain.value(variable);
             if kept != 0.0 {
-                terms.push((variable, kept));
+                sum.terms.push((variable, kept));
             }
         }
-        Row { terms, sides }
+        sum
+    }
+
+    /// Half of the width of the sides that declared bounds make; for tests.
+    #[cfg(test)]
+    pub(super) fn named_half(&self) -> f64 {
+        self.parts.iter().map(|(_, half)| half).sum()
     }
 
     /// Interval of the row's left side less its sides' middle at the given deviations; for tests.

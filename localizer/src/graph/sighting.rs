@@ -15,7 +15,7 @@
 
 use interval::Interval;
 
-use crate::{reading::Sighting, robot::RangeCameraModel};
+use crate::{bounds, reading::Sighting, robot::RangeCameraModel};
 
 use super::{
     Constant, Domain, Row, Variable,
@@ -140,7 +140,7 @@ impl<'a> Sight<'a> {
         let mut terms: Vec<(Variable, Interval)> =
             self.parts.iter().map(|&(variable, change)| (variable, dot(direction, change))).collect();
         terms.extend_from_slice(others);
-        Row::new(self.domain, &terms, sides - dot(direction, self.at_reference))
+        Row::new(self.domain, &terms, sides - dot(direction, self.at_reference)).by_device("range_camera")
     }
 
     /// The terms of a coefficient times δ = δθ + δyaw.
@@ -182,7 +182,8 @@ impl<'a> Sight<'a> {
             others.push((baseline, -focal_0 / length));
         }
         others.extend(self.times_delta(delta_coefficient));
-        self.row(across, &others, sides)
+        let by_columns_m = (column_px - column_0) * self.depth_m / length;
+        self.row(across, &others, sides).with_part(bounds::RANGE_CAMERA_COLUMNS, by_columns_m.magnitude())
     }
 
     /// The row in depth, with Z = f·b/(u − w) linear in the deviations of f and b but for their product.
@@ -203,7 +204,7 @@ impl<'a> Sight<'a> {
         sides += (self.right_m + self.blur_m - right_0) * self.delta.sin() + right_0 * sine_rest(self.delta);
         let mut others = vec![(focal, -depth_0 / focal_0), (baseline, -depth_0 / baseline_0)];
         others.extend(self.times_delta(-right_0));
-        self.row(self.ahead, &others, sides)
+        self.row(self.ahead, &others, sides).with_part(bounds::RANGE_CAMERA_COLUMNS, by_columns_m.radius())
     }
 }
 

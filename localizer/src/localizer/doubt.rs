@@ -23,6 +23,7 @@ use super::{
     carrying::contract_union,
     hypothesis::{Failed, Hypothesis, Witness, named},
     moves::{REACH, WHEELS},
+    naming::Intersected,
     ring::{Slot, merged},
 };
 
@@ -83,6 +84,7 @@ impl Localizer {
             self.begin_anywhere();
             return;
         }
+        self.note_contradiction(contradicting_s.map_or(Intersected::Known, Intersected::Constraint), None);
         let is_again = self.now_s - self.doubts.ended_s < DOUBT_AGAIN_S;
         let depth_s = if is_again { (2.0 * self.doubts.depth_s).min(REMEMBER_S) } else { 0.0 }.max(DOUBT_S);
         self.doubts = Doubts { depth_s, ended_s: f64::NEG_INFINITY, ..self.doubts };

@@ -10,6 +10,7 @@ mod heading_fixes;
 mod hypothesis;
 mod learning;
 mod moves;
+mod naming;
 mod relating;
 mod ring;
 mod slip;
@@ -20,6 +21,7 @@ use crate::{
     Constraint, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
     motion::{Agreement, Motion, SlipExcess, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
+    reading::Camera,
 };
 
 pub use account::Account;
@@ -28,7 +30,10 @@ use doubt::Doubts;
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
 use moves::{REACH, assumptions, memory_s, motion_between, motion_history};
+pub use naming::Contradiction;
+use naming::{Intersected, Naming};
 use relating::Graph;
+pub use relating::PoseWidth;
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 
@@ -57,6 +62,8 @@ pub struct Estimate {
     pub status: Status,
     /// The declared bounds that the estimate relies on.
     pub relies_on: Vec<Assumption>,
+    /// The latest contradiction between readings whose names were found: bounds of which not all can be true.
+    pub contradicting: Option<Contradiction>,
 }
 
 /// Turns sensor readings into estimates of the pose.
@@ -87,6 +94,8 @@ pub struct Localizer {
     fixes: Option<HeadingFixes>,
     /// Key frames of the drive, with what relates them.
     graph: Graph,
+    /// The names of the latest contradiction, and the work on them.
+    naming: Naming,
     /// The wheel encoders' latest count, and the time since which they have had that count.
     at_rest: Option<(f64, [i64; 2])>,
     /// Greatest error of the stamps of wheels, gyroscope and flow sensor.
@@ -113,6 +122,7 @@ impl Localizer {
             doubts: Doubts::default(),
             stale_s: f64::INFINITY,
             fixes: None,
+            naming: Naming::default(),
             at_rest: None,
             base_stamp_error_s: 0.0,
         };
@@ -126,6 +136,7 @@ impl Localizer {
         self.wheels = motion_history(&self.robot);
         self.ring = Ring::new(REMEMBER_S);
         self.graph.clear();
+        self.naming = Naming::default();
         self.integral = None;
         self.at_rest = None;
         self.now_s = 0.0;
@@ -184,7 +195,8 @@ impl Localizer {
             relies_on.push(BASE_STAMP);
             relies_on.extend(REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption)));
         }
-        Estimate { time_s: self.now_s, pose: self.in_true_time(&self.current), status, relies_on }
+        let contradicting = self.naming.latest.clone();
+        Estimate { time_s: self.now_s, pose: self.in_true_time(&self.current), status, relies_on, contradicting }
     }
 
     /// The pose estimate at a given instant. If the latest wheel reading is older, as when readings come late, the pose is carried on by the motion
@@ -237,6 +249,7 @@ impl Localizer {
         self.anchor_when_due();
         self.learn_at_rest(time_s, ticks);
         self.work_on_graph();
+        self.work_on_names();
     }
 
     /// Notes that a gyroscope or flow reading arrived after poses at later stamps had been predicted, so that they are predicted again with it.
@@ -287,6 +300,7 @@ impl Localizer {
     /// they may have slipped unnoticed. The poses of that time are predicted again.
     fn certify_slip(&mut self, [from_s, now_s]: [f64; 2]) {
         if self.slip.certify([from_s, now_s]) {
+            self.note_contradiction(Intersected::WheelsAndFlow, None);
             self.graph.clear();
             self.ring.forget_relations();
             self.replay_all(from_s - slip::UNSEEN_S);
@@ -355,7 +369,8 @@ impl Localizer {
             let heading_only = self.methods[idx].tells_heading_only();
             let constraint = if heading_only { self.on_a_reading(constraint) } else { constraint };
             let (hung_s, relations) = (constraint.stamp_s, constraint.relations.clone());
-            let mut account = self.hang(constraint, prior.clone());
+            let device = device(reading, constraint.method);
+            let mut account = self.hang(constraint, device, prior.clone());
             let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.merged().hull()[2]);
             if hung_s != stamp_s {
                 account.posterior = self.union_at(stamp_s).unwrap_or_default();
@@ -380,7 +395,7 @@ impl Localizer {
 
     /// Stores a constraint in a slot at its stamp, and recomputes all stored pose unions from there on. `prior` is the pose union at the stamp before
     /// the constraint is applied.
-    fn hang(&mut self, mut constraint: Constraint, prior: PoseUnion) -> Account {
+    fn hang(&mut self, mut constraint: Constraint, device: &'static str, prior: PoseUnion) -> Account {
         let stamp_s = constraint.stamp_s;
         if self.is_doubted() {
             // While an assumption is doubted, the earlier readings behind a constraint were carried by the robot's limits of motion alone, which are
@@ -396,7 +411,15 @@ impl Localizer {
         let witnesses = self.witnesses(&constraint);
         let evidence = self.evidence(&constraint, &witnesses);
         let unions = vec![PoseUnion::default(); self.hypotheses.len()];
-        self.ring.insert(Slot { stamp_s, unions, constraint: Some(constraint), related: None, witnesses });
+        self.ring.insert(Slot {
+            stamp_s,
+            unions,
+            constraint: Some(constraint),
+            related: None,
+            witnesses,
+            device,
+            narrows: [false; 3],
+        });
         let from_s = stamp_s.min(self.stale_s);
         self.stale_s = f64::INFINITY;
         account.emptied = match evidence {
@@ -407,6 +430,10 @@ impl Localizer {
         // slots are kept.
         self.ring.forget();
         account.posterior = self.ring.at(stamp_s).map(Slot::merged).unwrap_or_default();
+        let (before, after) = (account.prior.hull(), account.posterior.hull());
+        if let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s && slot.constraint.is_some()) {
+            slot.narrows = [0, 1, 2].map(|axis| naming::is_narrower(after[axis], before[axis]));
+        }
         self.restart_integral();
         self.predict();
         account
@@ -431,5 +458,19 @@ impl Localizer {
     /// Whether an assumption is doubted.
     fn is_doubted(&self) -> bool {
         self.hypotheses[0].failed != Failed::Nothing
+    }
+}
+
+/// Name of the device that a reading is of, as in the names of bounds. For a device of no kind of its own it is the name of the method that reads it.
+fn device(reading: &Reading, method: &'static str) -> &'static str {
+    match reading {
+        Reading::Wheels { .. } => "wheels",
+        Reading::Gyro { .. } => "gyro",
+        Reading::Flow { .. } => "flow",
+        Reading::Range { .. } => "range_camera",
+        Reading::Camera { camera: Camera::Floor, .. } => "floor_camera",
+        Reading::Camera { camera: Camera::Forward, .. } => "forward_camera",
+        Reading::Camera { camera: Camera::Ceiling, .. } => "ceiling_camera",
+        Reading::Other { .. } => method,
     }
 }

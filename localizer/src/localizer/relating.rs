@@ -10,11 +10,11 @@ use interval::IntervalBox;
 
 use crate::{
     PoseUnion, RobotModel,
-    graph::{Hull, KeyFrames, Place, Relations, Stray, Variable},
+    graph::{Hull, KeyFrames, Place, Relations, Stray, Variable, WidthParts},
     reading::LandmarkId,
 };
 
-use super::Localizer;
+use super::{Localizer, naming::Intersected, ring::Slot};
 
 /// Least time between two key frames.
 const PERIOD_S: f64 = 1.0;
@@ -36,6 +36,21 @@ const SMOOTHED: usize = 15;
 pub(super) struct Graph {
     frames: KeyFrames,
     work: Option<Work>,
+    /// What makes the width of the latest key frame whose bounds are known.
+    width: Option<PoseWidth>,
+}
+
+/// What makes the widths of the pose's bounds at a key frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseWidth {
+    /// Stamp of the key frame.
+    pub stamp_s: f64,
+    /// Along world x.
+    pub x_m: WidthParts,
+    /// Along world y.
+    pub y_m: WidthParts,
+    /// In heading.
+    pub heading_rad: WidthParts,
 }
 
 /// Work on the linear program of the latest key frame.
@@ -48,7 +63,7 @@ struct Work {
 
 impl Graph {
     pub(super) fn new(robot: &RobotModel) -> Graph {
-        Graph { frames: KeyFrames::new(robot), work: None }
+        Graph { frames: KeyFrames::new(robot), work: None, width: None }
     }
 
     /// Forgets all key frames: an assumption failed, and it is not known since when what they tell is false.
@@ -83,6 +98,12 @@ impl Graph {
 }
 
 impl Localizer {
+    /// What makes the width of the pose's bounds by the graph of key frames: for each declared bound, its part of the width at the latest key frame
+    /// whose bounds are known. `None` before the first one.
+    pub fn width_by_bound(&self) -> Option<&PoseWidth> {
+        self.graph.width.as_ref()
+    }
+
     /// Keeps a reading as a key frame if one is due. `posterior` encloses the pose at its stamp.
     pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, relations: Option<Arc<dyn Relations>>) {
         let relations = relations.filter(|relations| relations.is_worth_a_key_frame());
@@ -95,6 +116,7 @@ impl Localizer {
         let stamp_error_s = relations.as_ref().map_or(0.0, |relations| relations.stamp_error_s());
         let stray = Stray::by_reach(stamp_error_s, &self.robot.reach);
         self.graph.frames.push(stamp_s, pose, stray, relations);
+        self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
         self.graph.work = Some(Work { n_steps: 0, hull: None });
     }
 
@@ -115,7 +137,7 @@ impl Localizer {
         if work.hull.as_mut().is_some_and(Hull::advance)
             && let Some(Work { hull: Some(hull), .. }) = self.graph.work.take()
         {
-            self.apply(&hull);
+            self.apply(hull);
         }
     }
 
@@ -143,13 +165,19 @@ impl Localizer {
     }
 
     /// Brings the bounds of a program back to the stored pose of its key frame.
-    fn apply(&mut self, hull: &Hull) {
+    fn apply(&mut self, hull: Hull) {
         let Some(stamp_s) = self.graph.frames.latest_s() else { return };
         let bounds = hull.bounds().unwrap_or_default();
         let &[x, y, heading, ref older @ ..] = bounds.as_slice() else {
+            self.note_contradiction(Intersected::Known, Some(hull.into_related()));
             self.begin_doubt(None);
             return;
         };
+        let parts = hull.width_parts();
+        if let [x_m, y_m, heading_rad, ..] = parts.as_slice() {
+            let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
+            self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
+        }
         let older_number = self.graph.frames.number_before_latest(SMOOTHED);
         if let (Some(number), &[heading]) = (older_number, older) {
             self.graph.frames.narrow_heading(number, heading);

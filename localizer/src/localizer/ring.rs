@@ -20,12 +20,24 @@ pub(super) struct Slot {
     pub(super) related: Option<PoseBox>,
     /// Witnesses of the slot's image, which are the things by whose fault alone it may be false: markers that it shows, or the image itself.
     pub(super) witnesses: Vec<Witness>,
+    /// Name of the device whose reading the constraint is of; empty for an anchor.
+    pub(super) device: &'static str,
+    /// Whether the constraint made the pose's box narrower along x, along y and in heading.
+    pub(super) narrows: [bool; 3],
 }
 
 impl Slot {
     /// A slot without an image.
     pub(super) fn anchor(stamp_s: f64, unions: Vec<PoseUnion>) -> Slot {
-        Slot { stamp_s, unions, constraint: None, related: None, witnesses: Vec::new() }
+        Slot {
+            stamp_s,
+            unions,
+            constraint: None,
+            related: None,
+            witnesses: Vec::new(),
+            device: "",
+            narrows: [false; 3],
+        }
     }
 
     /// The pose union that holds the true pose if at least one of the hypotheses about what failed is right.
@@ -55,6 +67,10 @@ impl Ring {
 
     pub(super) fn len(&self) -> usize {
         self.slots.len()
+    }
+
+    pub(super) fn first(&self) -> Option<&Slot> {
+        self.slots.front()
     }
 
     pub(super) fn last(&self) -> Option<&Slot> {

@@ -53,6 +53,10 @@ pub struct FlowWay {
     /// Greatest error of the displacement along world x and y: by a scale that varies, by the gyroscope's noise, by turning within a step, and by
     /// quantisation while turning.
     pub error_m: [f64; 2],
+    /// The part of `error_m` that a varying scale makes.
+    pub scale_error_m: [f64; 2],
+    /// The part of `error_m` that the gyroscope's noise makes.
+    pub noise_error_m: [f64; 2],
     /// At either end, the greatest distance of the place by the counts from the true place, along any axis: by quantisation, and where the stamp lies
     /// between two readings by interpolation.
     pub end_error_m: [f64; 2],
@@ -107,6 +111,8 @@ impl FlowHistory {
                 heading_error_rad: 0.0,
                 path_m: 0.0,
                 error_m: [0.0; 2],
+                scale_error_m: [0.0; 2],
+                noise_error_m: [0.0; 2],
                 end_error_m: [first.cut_m[0], last.cut_m[1]].map(|cut_m| cut_m + quantised_m),
                 end_readings_s: [first.beside_s(0), last.beside_s(1)],
             },
@@ -199,6 +205,8 @@ impl Sum<'_> {
         let (varied_m, way_m) = (along(varied_m[0], varied_m[1]), along(parts_m[0], parts_m[1]));
         for axis in 0..2 {
             way.error_m[axis] += varied_m[axis] + off_rad * way_m[1 - axis] + any_m;
+            way.scale_error_m[axis] += varied_m[axis];
+            way.noise_error_m[axis] += off_rad * way_m[1 - axis];
         }
     }
 }

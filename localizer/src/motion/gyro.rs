@@ -8,7 +8,11 @@ use std::collections::VecDeque;
 
 use interval::Interval;
 
-use crate::robot::{GyroModel, Reach, WheelModel};
+use crate::{
+    bounds,
+    bounds::Assumption,
+    robot::{GyroModel, Reach, WheelModel},
+};
 
 use super::GyroTurn;
 
@@ -40,6 +44,11 @@ impl GyroHistory {
     /// Span of time that a gyroscope reading averages over.
     pub(super) fn period_s(&self) -> f64 {
         self.model.period_s
+    }
+
+    /// The declared bound on the gyroscope's errors beside bias and scale.
+    pub(super) fn noise_bound(&self) -> Assumption {
+        if self.model.bounds_angle() { bounds::GYRO_ANGLE } else { bounds::GYRO_NOISE }
     }
 
     /// Adds a gyroscope reading at the place of its period in time. A late reading is dropped if its period overlaps that of another reading, as
@@ -91,7 +100,7 @@ impl GyroHistory {
         let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
         let bend_rad = sums.bend_rad * self.model.scale.magnitude();
         let summed = sums.summed(&self.model).inflate(bend_rad);
-        Some(GyroTurn { by_reading_rad: sums.by_reading(&self.model).inflate(bend_rad), summed_rad: summed })
+        Some(GyroTurn { by_reading_rad: sums.by_reading(&self.model).inflate(bend_rad), summed_rad: summed, bend_rad })
     }
 
     /// Nominal turns from each stamp to the next by the gyroscope, with bounds on their errors; `None` before the first reading has arrived.

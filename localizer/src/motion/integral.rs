@@ -126,6 +126,12 @@ impl WheelIntegral {
         (counts * per_tick_m + wheels.slip_ratio * rolled_m + self.windows(wheels) * wheels.slip_floor_m) * ABOVE
     }
 
+    /// The part of the bound on the error of a wheel's travel since the start that slip makes.
+    pub(super) fn slip_error(&self, wheel: usize, wheels: &WheelModel) -> f64 {
+        let counts = 1.0 + self.start.ticks_error + self.latest.ticks_error;
+        self.travel_error(wheel, wheels) - counts * wheels.metres_per_tick(wheel).hi()
+    }
+
     /// Bound on the lateral travel of the axle middle since the start.
     fn side_slip(&self, wheels: &WheelModel) -> f64 {
         let counts = 2.0 + self.start.ticks_error + self.latest.ticks_error;

@@ -19,7 +19,11 @@
 
 use interval::Interval;
 
-use crate::robot::{Reach, WheelModel};
+use crate::{
+    bounds,
+    bounds::Assumption,
+    robot::{Reach, WheelModel},
+};
 
 use super::{
     WheelHistory, WheelSample,
@@ -37,6 +41,12 @@ pub struct Way {
     pub ticks: [f64; 2],
     /// Greatest error of the travel of the left and of the right wheel by slip and by quantisation, in metres.
     pub travel_error_m: [f64; 2],
+    /// The part of each wheel's `travel_error_m` that slip makes.
+    pub slip_m: [f64; 2],
+    /// What of the half width of `shortening_m` comes from which declared bound; the rest is of second order.
+    pub shortening_parts_m: Vec<(Assumption, f64)>,
+    /// What of the half width of `lateral_m` comes from which declared bound; the rest is of second order.
+    pub lateral_parts_m: Vec<(Assumption, f64)>,
     /// Component of the displacement along the mid heading.
     pub along_m: Interval,
     /// Travel of the axle's middle, less the component of the displacement along the mid heading.
@@ -56,6 +66,8 @@ pub struct GyroTurn {
     /// accumulated since the run's start is u(t) + v(t): |u| is at most half of the constant part of the bound `gyro.angle`, and v changes by at most
     /// the bound's other part per second. The change of v is within this interval.
     pub summed_rad: Interval,
+    /// The part of the half widths of both that comes from the change of the turn rate, where readings count only in part or are missing.
+    pub bend_rad: f64,
 }
 
 impl WheelHistory {
@@ -71,7 +83,10 @@ impl WheelHistory {
         let profile = match &self.gyro {
             Some(gyro) => {
                 let stamps: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
-                Profile::by_gyro(gyro.turn_steps(&stamps, super::greatest_change_rad_per_s2(wheels, reach))?)
+                Profile::by_gyro(
+                    gyro.turn_steps(&stamps, super::greatest_change_rad_per_s2(wheels, reach))?,
+                    gyro.noise_bound(),
+                )
             }
             None => Profile::by_wheels(&samples, &integral, wheels),
         };
@@ -81,6 +96,9 @@ impl WheelHistory {
             span_s: to_s - from_s,
             ticks,
             travel_error_m: [0, 1].map(|wheel| integral.travel_error(wheel, wheels)),
+            slip_m: [0, 1].map(|wheel| integral.slip_error(wheel, wheels)),
+            shortening_parts_m: sides.shortening_parts_m,
+            lateral_parts_m: sides.lateral_parts_m,
             along_m: integral.travel_of_middle(wheels) - sides.shortening_m,
             shortening_m: sides.shortening_m,
             lateral_m: sides.lateral_m,
@@ -111,10 +129,12 @@ struct Profile {
     error_rad: f64,
     /// Greatest error of the turn between any two samples by all causes, where that is known to be less than the sum of the other two.
     most_error_rad: f64,
+    /// The declared bound that makes most of the errors.
+    bound: Assumption,
 }
 
 impl Profile {
-    fn by_gyro(steps: Vec<TurnStep>) -> Profile {
+    fn by_gyro(steps: Vec<TurnStep>, bound: Assumption) -> Profile {
         let mut heading_rad = vec![0.0];
         let mut at_rad = 0.0;
         for step in &steps {
@@ -126,6 +146,7 @@ impl Profile {
             step_error_rad: steps.iter().map(|step| step.error_rad).collect(),
             error_rad: steps.iter().map(|step| step.bend_rad).fold(0.0, f64::max) * 2.0,
             most_error_rad: steps.last().map_or(0.0, |last| last.span_error_rad),
+            bound,
         }
     }
 
@@ -141,6 +162,7 @@ impl Profile {
             step_error_rad: vec![0.0; samples.len() - 1],
             error_rad,
             most_error_rad: error_rad,
+            bound: bounds::WHEELS_SLIP,
         }
     }
 }
@@ -149,6 +171,9 @@ impl Profile {
 struct Sides {
     shortening_m: Interval,
     lateral_m: Interval,
+    /// The parts of their half widths that declared bounds make.
+    shortening_parts_m: Vec<(Assumption, f64)>,
+    lateral_parts_m: Vec<(Assumption, f64)>,
 }
 
 impl Sides {
@@ -213,9 +238,21 @@ impl Sides {
         let about = |middle_m: f64, most_m: f64| {
             Interval::point(middle_m).inflate(most_m * ABOVE + ROUNDING * (path_m + most_m))
         };
+        let slip_m = 0.5 * (0..2).map(|wheel| integral.slip_error(wheel, wheels)).sum::<f64>();
+        let parts = |by_heading_m: f64, slip_share: f64, side_share: f64| {
+            vec![
+                (bounds::WHEELS_SIDE_SLIP, side_m * side_share),
+                (bounds::WHEELS_SLIP, slip_m * slip_share),
+                (profile.bound, by_heading_m),
+                (bounds::REACH_ACCELERATION, remainder_m),
+            ]
+        };
+        let (by_sine_m, by_cosine_m) = (first_order_m(&sin_m), first_order_m(&cos_m));
         Sides {
-            shortening_m: about(short_m, first_order_m(&sin_m) + second_order_m + remainder_m + along_m),
-            lateral_m: about(sin_m[last], first_order_m(&cos_m) + second_order_m + remainder_m + across_m),
+            shortening_m: about(short_m, by_sine_m + second_order_m + remainder_m + along_m),
+            lateral_m: about(sin_m[last], by_cosine_m + second_order_m + remainder_m + across_m),
+            shortening_parts_m: parts(by_sine_m, 1.0 - psi_rad.cos() + turning_rad, sine + turning_rad),
+            lateral_parts_m: parts(by_cosine_m, sine + turning_rad, 1.0 + turning_rad),
         }
     }
 }

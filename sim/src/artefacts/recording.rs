@@ -84,6 +84,8 @@ pub struct Stream<S> {
     offset_s: f64,
     n_steps: usize,
     status: Status,
+    /// Time at which the contradiction was found that was reported last.
+    contradicting_s: Option<f64>,
 }
 
 #[expect(private_bounds, reason = "there are two sinks, both here")]
@@ -97,6 +99,7 @@ impl<S: Sink> Stream<S> {
             offset_s: 0.0,
             n_steps: 0,
             status: Status::Sound,
+            contradicting_s: None,
         };
         if !stream.cameras.is_empty() {
             let mounts = messages::robot_from_cameras(&stream.cameras);
@@ -179,6 +182,11 @@ impl<S: Sink> Witness for Stream<S> {
             self.put("/boxes", kind, time_s, &drawing);
         }
         self.n_steps += 1;
+        if let Some(found) = estimate.contradicting.as_ref().filter(|found| self.contradicting_s != Some(found.found_s))
+        {
+            self.contradicting_s = Some(found.found_s);
+            self.log(time_s, Level::Warn, "contradiction", &format!("since {:.3} s {found}", found.found_s));
+        }
         if estimate.status != self.status {
             self.status = estimate.status;
             match estimate.status {

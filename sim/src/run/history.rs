@@ -6,6 +6,7 @@ use interval::Interval;
 use localizer::{
     Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     bounds::Assumption,
+    localizer::{Contradiction, PoseWidth},
     quota::Quota,
     reading::{Camera, LandmarkId},
 };
@@ -31,6 +32,10 @@ pub struct RunRecord {
     pub restarts: Vec<usize>,
     /// The estimate at each step, at the same times as `truths`.
     pub estimates: Vec<Estimate>,
+    /// The contradictions between readings for which the localizer found names, in the order in which it did.
+    pub contradictions: Vec<Contradiction>,
+    /// What makes the width of the pose's box at each key frame of the localizer for which that is known.
+    pub widths: Vec<PoseWidth>,
     /// Whether the localizer under test answers with boxes. Otherwise its estimates are points, stored as boxes without width, of which
     /// only the error is meaningful.
     pub has_boxes: bool,
@@ -173,6 +178,8 @@ impl RunRecord {
             commands: Vec::new(),
             restarts: Vec::new(),
             estimates: Vec::new(),
+            contradictions: Vec::new(),
+            widths: Vec::new(),
             has_boxes: true,
             images: Vec::new(),
             widest_image: None,

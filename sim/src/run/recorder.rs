@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use localizer::{Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, reading::Camera};
+use localizer::{
+    Map, Pose, PoseBox, Reading, RobotModel, localizer::PoseWidth, motion::PointOdometry, reading::Camera,
+};
 use sha2::{Digest, Sha256};
 
 use crate::{
@@ -183,6 +185,18 @@ impl<'a> Recorder<'a> {
         self.history.has_boxes &= matches!(answer, Answer::Boxes(_));
         let mut estimate = answer.into_estimate(truth.time_s);
         estimate.time_s += self.offset_s;
+        if let Some(contradiction) = &mut estimate.contradicting {
+            contradiction.begin_later(self.offset_s);
+            if self.history.contradictions.last() != Some(contradiction) {
+                self.history.contradictions.push(contradiction.clone());
+            }
+        }
+        if let Some(width) = subject.width_by_bound() {
+            let width = PoseWidth { stamp_s: width.stamp_s + self.offset_s, ..width.clone() };
+            if self.history.widths.last().is_none_or(|last| last.stamp_s != width.stamp_s) {
+                self.history.widths.push(width);
+            }
+        }
         let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
         self.witness.step(&truth, &estimate, self.odometry.pose());
         self.history.truths.push(truth);

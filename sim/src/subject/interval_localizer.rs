@@ -1,6 +1,10 @@
 //! The interval localizer of this project, with the methods that a scene asks for, as the subject of a run: the localizer that the run tests.
 
-use localizer::{Localizer, Method, PoseBox, Reading, localizer::Account, motion::SlipExcess};
+use localizer::{
+    Localizer, Method, PoseBox, Reading,
+    localizer::{Account, PoseWidth},
+    motion::SlipExcess,
+};
 
 use super::{Answer, Subject};
 use crate::{devices::method, scene::Scene};
@@ -47,6 +51,10 @@ impl Subject for IntervalLocalizer {
 
     fn accounts(&mut self) -> Vec<Account> {
         std::mem::take(&mut self.accounts)
+    }
+
+    fn width_by_bound(&self) -> Option<&PoseWidth> {
+        self.localizer.width_by_bound()
     }
 
     fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {

@@ -4,7 +4,11 @@ mod interval_localizer;
 mod told;
 
 use interval::Interval;
-use localizer::{Estimate, Pose, PoseBox, PoseUnion, Reading, Status, localizer::Account, motion::SlipExcess};
+use localizer::{
+    Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
+    localizer::{Account, PoseWidth},
+    motion::SlipExcess,
+};
 
 use crate::scene::Scene;
 
@@ -29,6 +33,12 @@ pub trait Subject {
     /// and debug frames show them; a subject without claims need not implement this.
     fn accounts(&mut self) -> Vec<Account> {
         Vec::new()
+    }
+
+    /// What makes the width of the pose's box at the latest key frame for which that is known; a subject without such an account need not implement
+    /// this.
+    fn width_by_bound(&self) -> Option<&PoseWidth> {
+        None
     }
 
     /// Announces the spans of the next drive in which the wheels slip by more than declared. This happens only in a run that is simulated
@@ -65,5 +75,5 @@ impl Answer {
 /// An estimate that consists of exactly one pose, such as the true one.
 pub(crate) fn exactly_at(time_s: f64, pose: Pose) -> Estimate {
     let pose = PoseUnion::single(PoseBox::from(pose.to_array().map(Interval::point)));
-    Estimate { time_s, pose, status: Status::Sound, relies_on: Vec::new() }
+    Estimate { time_s, pose, status: Status::Sound, relies_on: Vec::new(), contradicting: None }
 }

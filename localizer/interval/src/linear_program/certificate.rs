@@ -82,6 +82,37 @@ pub fn contradicting_rows(program: &LinearProgram, duals: &[f64]) -> Option<Vec<
     is_certified.then(|| (0..program.n_rows()).filter(|&row| effective(program, row, duals).is_some()).collect())
 }
 
+/// What a certified bound consists of: the value that the duals give in the middle of all intervals, and by how much the half width of each interval
+/// moves the bound away from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shares {
+    /// Σ yᵢ·mid[loᵢ, hiᵢ] + Σ rⱼ·mid(Xⱼ).
+    pub middle: f64,
+    /// |yᵢ| times the half width of the row's interval, for each row. A row with an open side has no half width; its other side counts as its
+    /// middle.
+    pub rows: Vec<f64>,
+    /// |rⱼ| times the half width of the variable's interval, for each variable.
+    pub variables: Vec<f64>,
+}
+
+/// The parts of the bound that [`certified_minimum`] gives for the same duals, but for rounding: it is the middle less all shares. `None` when the
+/// cost is not a function of the program's variables.
+pub fn shares(program: &LinearProgram, cost: &Terms, duals: &[f64]) -> Option<Shares> {
+    let reduced = reduced_costs(program, cost, duals)?;
+    let mut shares = Shares { middle: 0.0, rows: vec![0.0; program.n_rows()], variables: Vec::new() };
+    for (row, share) in shares.rows.iter_mut().enumerate() {
+        let Some((dual, side)) = effective(program, row, duals) else { continue };
+        let sides = program.sides(row);
+        *share = if sides.is_bounded() { dual.abs() * sides.radius() } else { 0.0 };
+        shares.middle += dual * if sides.is_bounded() { sides.mid() } else { side };
+    }
+    for (reduced, values) in reduced.iter().zip(program.variables()) {
+        shares.middle += reduced.mid() * values.mid();
+        shares.variables.push(reduced.mid().abs() * values.radius());
+    }
+    Some(shares)
+}
+
 /// The dual of a row with the side of the row that it multiplies, lo for a positive dual and hi for a negative one. `None` for a dual that
 /// counts as 0.
 fn effective(program: &LinearProgram, row: usize, duals: &[f64]) -> Option<(f64, f64)> {
@@ -259,6 +290,25 @@ mod tests {
         }
         assert_eq!(n_above, 0, "certified bounds above the exact one");
         assert!(worst < 1e-14, "{worst}");
+    }
+
+    #[test]
+    fn a_bound_is_its_middle_less_the_shares_of_all_intervals() {
+        // Duals (1/2, 1/2) bound x from below: half of row 0, whose other side is open, gives 1, and half of the equation of row 1 gives 1/2.
+        let by_rows = shares(&by_hand(), &[(0, 1.0)], &[0.5, 0.5]).unwrap();
+        assert!((by_rows.middle - 1.5).abs() < 1e-12 && by_rows.rows == [0.0, 0.0], "{by_rows:?}");
+        // Without rows the box of x alone bounds it: 2 ± 2.
+        let by_box = shares(&by_hand(), &[(0, 1.0)], &[]).unwrap();
+        assert!((by_box.middle - 2.0).abs() < 1e-12 && (by_box.variables[0] - 2.0).abs() < 1e-12, "{by_box:?}");
+        // With x + y within [2, 3] in a box of half widths 2 and 3/2, the dual 1/2 leaves x/2 − y/2: 1/2·(5/2 ± 1/2) + 1/2·(2 ± 2) − 1/2·(3/2 ± 3/2).
+        let mut program = LinearProgram::new(vec![Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)]).unwrap();
+        program.add_row(&[(0, 1.0), (1, 1.0)], Interval::new(2.0, 3.0)).unwrap();
+        let both = shares(&program, &[(0, 1.0)], &[0.5]).unwrap();
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(close(both.middle, 1.5) && close(both.rows[0], 0.25), "{both:?}");
+        assert!(close(both.variables[0], 1.0) && close(both.variables[1], 0.75), "{both:?}");
+        let bound = certified_minimum(&program, &[(0, 1.0)], &[0.5]);
+        assert!(close(bound, 1.5 - 0.25 - 1.75), "{bound}");
     }
 
     #[test]

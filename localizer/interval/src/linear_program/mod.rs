@@ -30,6 +30,8 @@ mod factor;
 mod program;
 mod solver;
 
-pub use certificate::{certified_maximum, certified_minimum, certified_minimum_despite, contradicting_rows};
+pub use certificate::{
+    Shares, certified_maximum, certified_minimum, certified_minimum_despite, contradicting_rows, shares,
+};
 pub use program::{LinearProgram, ProgramError, Terms};
 pub use solver::{Search, Solver};

@@ -100,6 +100,17 @@ impl LinearProgram {
         })
     }
 
+    /// The same program with other intervals: that of a variable becomes `variable(index)`, if that is one, and that of a row is wider by
+    /// `row(index)` on either side.
+    pub fn widened(&self, variable: impl Fn(usize) -> Option<Interval>, row: impl Fn(usize) -> f64) -> LinearProgram {
+        let mut wide = self.clone();
+        for (at, values) in wide.variables.iter_mut().enumerate() {
+            *values = variable(at).filter(|other| values.is_subset_of(*other) && other.is_bounded()).unwrap_or(*values);
+        }
+        wide.sides.iter_mut().enumerate().for_each(|(at, sides)| *sides = sides.inflate(row(at)));
+        wide
+    }
+
     /// The program with only some of the rows, in the order given, over the same box.
     pub fn with_rows(&self, rows: &[usize]) -> LinearProgram {
         let mut part = LinearProgram {

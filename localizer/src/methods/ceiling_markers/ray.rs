@@ -14,6 +14,7 @@
 use interval::{Dual, Interval};
 
 use crate::{
+    bounds,
     graph::{Constant, SeenPlace, Variable},
     markers::MarkerId,
     robot::{BodyModel, CeilingCameraModel, cayley_radius},
@@ -119,13 +120,15 @@ impl Optics {
     pub(super) fn place(&self, sight: &Sight, marker: MarkerId, height_m: Interval, turn_rad: f64) -> SeenPlace {
         let column = |parameter: usize| [0, 1].map(|axis| sight.slopes[axis][parameter]);
         let mut place = SeenPlace {
+            device: "ceiling_camera",
             yaw: (Constant::CeilingYaw, self.yaw_rad.mid()),
             middle_m: sight.middle_m,
             terms: Vec::new(),
-            noise_m: PIXEL.iter().map(|&parameter| (column(parameter), sight.deviations[parameter])).collect(),
+            noise_m: PIXEL.iter().map(|&parameter| (column(parameter), sight.deviations[parameter], None)).collect(),
             turn_rad,
         };
-        place.noise_m.push((column(DOT_HEIGHT), Interval::centred(0.0, self.heave_m)));
+        let heave = Interval::centred(0.0, self.heave_m);
+        place.noise_m.push((column(DOT_HEIGHT), heave, Some(bounds::BODY_HEAVE)));
         let mut depends = |parameter: usize, variable: Variable| {
             place.terms.push((variable, self.parameters[parameter].mid(), column(parameter)));
         };

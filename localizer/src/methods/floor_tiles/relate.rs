@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use interval::{Dual, Interval};
 
 use crate::{
-    PoseBox,
+    PoseBox, bounds,
     graph::{Constant, Domain, Relations, Row, SeenPlace, Stray, Variable},
     robot::cayley_radius,
     vision::line_fit::LineSet,
@@ -212,15 +212,16 @@ fn floor_place(set: &LineSet, along_px: f64, geometry: &Geometry) -> Option<Seen
     });
     let across_mid = crossing.across_px.mid();
     let mut place = SeenPlace {
+        device: "floor_camera",
         yaw: (Constant::FloorYaw, camera.yaw_rad.mid()),
         middle_m: floor_point(&middles, camera)?.map(|number| number.value),
         terms: Vec::new(),
         noise_m: vec![
-            (across, crossing.across_px - across_mid),
-            (column(HEAVE), parameters[HEAVE]),
+            (across, crossing.across_px - across_mid, None),
+            (column(HEAVE), parameters[HEAVE], Some(bounds::BODY_HEAVE)),
             // What rounding moves the middle of the pixel off the line's point.
-            (column(PIXEL[0]), Interval::centred(0.0, ROUNDING_PX)),
-            (column(PIXEL[1]), Interval::centred(0.0, ROUNDING_PX)),
+            (column(PIXEL[0]), Interval::centred(0.0, ROUNDING_PX), None),
+            (column(PIXEL[1]), Interval::centred(0.0, ROUNDING_PX), None),
         ],
         turn_rad: heading_off_rad(body_radius_rad(geometry)),
     };

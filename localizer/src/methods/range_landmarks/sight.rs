@@ -22,7 +22,7 @@ use std::sync::Arc;
 use interval::Interval;
 
 use crate::{
-    PoseBox, RobotModel,
+    PoseBox, RobotModel, bounds,
     graph::{Domain, Relations, Row, Stray, Variable, sighting_rows},
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
@@ -196,7 +196,16 @@ impl Relations for Sightings {
         let is_known = |seen: &Seen| !domain.value(Variable::Landmark(seen.landmark, 0)).is_empty();
         let rows = |sighted: &Sighted| {
             let blur_m = self.sensor.own_displacement(sighted.in_view, stray)?;
-            Some(sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain))
+            let tilted_m = self.sensor.own_displacement(sighted.in_view, &Stray::default())?;
+            let body_share = self.sensor.body.tilt_rad / (self.sensor.body.tilt_rad + self.sensor.camera.tilt_rad);
+            let body_m = if body_share.is_finite() { tilted_m * body_share } else { 0.0 };
+            let label = |row: Row| {
+                row.with_part(bounds::BODY_TILT, body_m)
+                    .with_part(bounds::RANGE_CAMERA_TILT, tilted_m - body_m)
+                    .with_part(bounds::RANGE_CAMERA_STAMP, blur_m - tilted_m)
+            };
+            let rows = sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain);
+            Some(rows.into_iter().map(label).collect::<Vec<Row>>())
         };
         self.right().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
     }

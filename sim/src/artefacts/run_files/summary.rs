@@ -30,6 +30,10 @@ pub struct Summary<'a> {
     /// The judge's verdict on the run.
     #[serde(flatten)]
     pub verdict: &'a Verdict,
+    /// The contradictions between readings that the localizer found, with the bounds of which not all can be true.
+    pub contradictions: Vec<Contradiction<'a>>,
+    /// What makes the width of the boxes: the mean over the localizer's key frames, for each declared bound. Empty without key frames.
+    pub width_by_bound: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
     /// Digests that identify the run.
     pub digest: Digests,
 }
@@ -57,6 +61,8 @@ impl<'a> Summary<'a> {
             adapter: record.adapter.as_deref(),
             duration_s: duration_s(record),
             verdict,
+            contradictions: record.contradictions.iter().map(Contradiction::of).collect(),
+            width_by_bound: width_by_bound(record),
             digest: Digests {
                 scene: scene_digest(&file.scene),
                 truth: truth_digest(&record.truths),
@@ -71,6 +77,56 @@ impl<'a> Summary<'a> {
         // The keys of a summary are texts, so that serialising it cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
+}
+
+/// A contradiction between readings, as the localizer told it without knowing the truth.
+#[derive(Clone, Debug, Serialize)]
+pub struct Contradiction<'a> {
+    /// Time at which it was found.
+    pub time_s: f64,
+    /// The bounds of which not all can be true, the most doubtful first.
+    pub bounds: &'a [&'static str],
+    /// How many times its declared value another bound would have to be if these were kept; `None` where that is not known.
+    pub factor: Option<f64>,
+    /// The readings that contradict each other.
+    pub readings: Vec<Readings>,
+}
+
+/// Readings of one device in a span of time.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Readings {
+    pub device: &'static str,
+    pub from_s: f64,
+    pub to_s: f64,
+}
+
+impl<'a> Contradiction<'a> {
+    fn of(found: &'a localizer::localizer::Contradiction) -> Contradiction<'a> {
+        let readings = found.readings.iter();
+        let readings = readings.map(|one| Readings { device: one.device, from_s: one.span_s[0], to_s: one.span_s[1] });
+        Contradiction {
+            time_s: found.found_s,
+            bounds: &found.bounds,
+            factor: found.factor,
+            readings: readings.collect(),
+        }
+    }
+}
+
+/// What makes the width along each axis, on average over the key frames of a run: the part of each declared bound, that of the boxes of poses and
+/// landmarks (`boxes`), and that of what has no name (`rest`), less what is `saved` because least and greatest value follow from different readings.
+pub fn width_by_bound(record: &RunRecord) -> BTreeMap<&'static str, BTreeMap<&'static str, f64>> {
+    let mut axes = BTreeMap::new();
+    for width in &record.widths {
+        for (axis, parts) in [("x_m", &width.x_m), ("y_m", &width.y_m), ("heading_rad", &width.heading_rad)] {
+            let of_axis: &mut BTreeMap<_, f64> = axes.entry(axis).or_default();
+            let others = [("boxes", parts.by_boxes), ("rest", parts.rest), ("saved", -parts.saved)];
+            for (name, part) in parts.by_bound.iter().map(|(&bound, &part)| (bound, part)).chain(others) {
+                *of_axis.entry(name).or_default() += part / record.widths.len() as f64;
+            }
+        }
+    }
+    axes
 }
 
 /// Everything that `timing.json` holds.

@@ -16,7 +16,7 @@ use super::{
     heatmap::heatmaps,
     picture,
     steps::{self, Step},
-    text::first_outside,
+    text::{contradictions, first_outside, greatest_parts},
 };
 
 const STYLE: &str = include_str!("style.css");
@@ -178,6 +178,8 @@ fn told(overview: &Overview, case: &CaseResult) -> Markup {
         article {
             h3 { (case.describe(overview.has_scenes)) }
             @if let Some(first) = first_outside(case) { p.bad { (first) } }
+            @for found in contradictions(case) { p { (found) } }
+            @for part in greatest_parts(case) { p { (part) } }
             @let missed = case.missed_expectations();
             @if !missed.is_empty() { ul { @for line in missed { li { (line) } } } }
             div.plots {

@@ -1,5 +1,7 @@
 //! The report as text for a terminal.
 
+use serde_json::Value;
+
 use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{Group, Overview};
@@ -45,6 +47,9 @@ fn failure(case: &CaseResult, with_scene: bool) -> String {
     if let Some(first) = first_outside(case) {
         text += &format!("  {first}\n");
     }
+    for found in contradictions(case) {
+        text += &format!("  {found}\n");
+    }
     text + &format!("  replay: {}\n", Replay::of(case, "renders"))
 }
 
@@ -55,6 +60,40 @@ pub fn first_outside(case: &CaseResult) -> Option<String> {
     let (axis, outcome, blame) = (first["axis"].as_str()?, first["outcome"].as_str()?, first["blame"].as_str()?);
     let outcome = outcome.replace('_', " ");
     Some(format!("first outside at {time_s:.2} s: {axis} by {margin:.6}, {outcome}: {blame}"))
+}
+
+/// Describes the contradictions between readings that the localizer found: when, and which bounds cannot all be true.
+pub(super) fn contradictions(case: &CaseResult) -> Vec<String> {
+    let found = case.summary().and_then(|summary| summary["contradictions"].as_array());
+    found.into_iter().flatten().filter_map(contradiction).collect()
+}
+
+fn contradiction(found: &Value) -> Option<String> {
+    let bounds: Vec<&str> = found["bounds"].as_array()?.iter().filter_map(Value::as_str).collect();
+    let (time_s, bounds) = (found["time_s"].as_f64()?, bounds.join(", "));
+    Some(match found["factor"].as_f64() {
+        Some(factor) => format!(
+            "readings contradict each other at {time_s:.2} s: one of {bounds} is broken, or another bound is exceeded more than {factor:.3}-fold"
+        ),
+        None => format!("readings contradict each other at {time_s:.2} s: most likely one of {bounds} is broken"),
+    })
+}
+
+/// Describes, for each axis, the declared bound that makes most of the boxes' mean width at the localizer's key frames.
+pub(super) fn greatest_parts(case: &CaseResult) -> Vec<String> {
+    let axes = [("x_m", "x", 1e3, "mm"), ("y_m", "y", 1e3, "mm"), ("heading_rad", "heading", 1e3, "mrad")];
+    let of_axis = |(key, axis, per_unit, unit): (&str, &str, f64, &str)| {
+        let parts = case.summary()?["width_by_bound"][key].as_object()?;
+        let width = parts.values().filter_map(Value::as_f64).sum::<f64>();
+        // The names of bounds have a dot; the other parts are no bounds.
+        let bounds = parts.iter().filter(|(name, _)| name.contains('.'));
+        let (bound, part) = bounds
+            .filter_map(|(name, part)| Some((name, part.as_f64()?)))
+            .max_by(|one, other| one.1.total_cmp(&other.1))?;
+        let [part, width] = [part, width].map(|one| one * per_unit);
+        Some(format!("{bound} makes {part:.1} {unit} of the {width:.1} {unit} of mean width in {axis} at key frames"))
+    };
+    axes.into_iter().filter_map(of_axis).collect()
 }
 
 fn table(overview: &Overview) -> String {

@@ -1,0 +1,72 @@
+//! Names of contradictions: which bounds and readings a localizer says cannot all be true, without knowing the truth; and what makes its widths.
+
+use localizer::bounds;
+use sim::{
+    artefacts::run_files::width_by_bound,
+    loading::SceneFile,
+    run::{RunOptions, RunRecord, run},
+    scene::Scene,
+    subject::IntervalLocalizer,
+};
+
+use crate::{command::root, judging::verdict_of, render_studio::renderer};
+
+/// A scene of the folder `scenes`, cut to the given time.
+fn scene(path: &str, duration_s: f64) -> Scene {
+    let mut scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;
+    scene.duration_s = duration_s;
+    scene
+}
+
+fn recorded(scene: &Scene, seed: u64) -> RunRecord {
+    let mut subject = IntervalLocalizer::of(scene);
+    run(scene, seed, &mut subject, Some(&mut renderer()), &RunOptions::default(), &mut |_| {}).unwrap()
+}
+
+#[test]
+fn a_marker_off_its_place_is_named_with_the_image_that_shows_it() {
+    let scene = scene("broken/misplaced_marker.toml", 8.0);
+    let record = recorded(&scene, 3);
+    let [found] = record.contradictions.as_slice() else { panic!("{:?}", record.contradictions) };
+    assert!(found.bounds.len() <= 3 && found.bounds.contains(&bounds::MARKERS_PLACEMENT), "{found:?}");
+    let seen = record.images.iter().find(|image| {
+        let names = |claim| format!("{claim:?}").contains("MarkerId(183)");
+        image.constrained && image.claims.iter().any(names)
+    });
+    let seen_s = seen.unwrap().measured_s;
+    let is_of_it = |device: &str, span_s: [f64; 2]| device == "ceiling_camera" && span_s == [seen_s; 2];
+    assert!(found.readings.iter().any(|one| is_of_it(one.device, one.span_s)), "{seen_s}: {found:?}");
+    // The robot is nowhere near 15 cm off its own odometry, so that the wheels would have to break their bounds a hundredfold, too.
+    assert_eq!(found.factor, Some(100.0), "{found:?}");
+}
+
+#[test]
+fn what_a_push_or_a_spinning_wheel_breaks_is_among_at_most_three_names() {
+    for (path, duration_s) in
+        [("dark/pushed.toml", 24.0), ("dark/wheel_stuck.toml", 28.0), ("broken/push_4cm.toml", 10.0)]
+    {
+        let scene = scene(path, duration_s);
+        let record = recorded(&scene, 5);
+        let broken = verdict_of(&scene, &record).violations;
+        assert!(!record.contradictions.is_empty(), "{path}");
+        for found in &record.contradictions {
+            let is_named = broken.iter().any(|violation| found.bounds.iter().any(|name| *name == violation.bound));
+            assert!(is_named && found.bounds.len() <= 3, "{path}: {found:?} of {broken:?}");
+            // A contradiction is found at most two seconds after what broke the bound, and its readings are of that time.
+            assert!(broken.iter().any(|one| (0.0..2.0).contains(&(found.found_s - one.from_s))), "{path}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn where_no_bound_is_broken_nothing_is_named_and_widths_add_up() {
+    let scene = scene("dark/flow_blind.toml", 26.0);
+    let record = recorded(&scene, 5);
+    assert_eq!(record.contradictions, []);
+    // Each key frame's parts add up to a width, and so do their means.
+    let means = width_by_bound(&record);
+    assert!(record.widths.len() >= 10, "{}", record.widths.len());
+    let mean_m = record.widths.iter().map(|width| width.x_m.width()).sum::<f64>() / record.widths.len() as f64;
+    assert!((means["x_m"].values().sum::<f64>() - mean_m).abs() < 1e-9, "{means:?}");
+    assert!(means["x_m"]["flow.scale"] > 0.0 && means["x_m"]["saved"] <= 1e-9, "{means:?}");
+}
