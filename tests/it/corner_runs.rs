@@ -7,7 +7,7 @@ use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
 use localizer::{
     Constraint, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Reading,
-    graph::{Domain, Relations, Row, Stray},
+    graph::{Disc, Domain, Relations, Row, Stray, Variable},
     localizer::Account,
     method::MotionBetween,
     methods::{
@@ -122,8 +122,16 @@ impl Contractor<3> for TooSmallOnPose {
 struct TooSmallRelations(Arc<dyn Relations>);
 
 impl Relations for TooSmallRelations {
-    fn landmarks(&self, pose: &PoseBox) -> Vec<(LandmarkId, [Interval; 2])> {
-        self.0.landmarks(pose)
+    fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        self.0.quantities(frame, pose)
+    }
+
+    fn discs(&self, frame: usize) -> Vec<Disc> {
+        self.0.discs(frame)
+    }
+
+    fn is_worth_a_key_frame(&self) -> bool {
+        self.0.is_worth_a_key_frame()
     }
 
     fn stamp_error_s(&self) -> f64 {
