@@ -20,6 +20,7 @@ use localizer::{
     reading::LandmarkId,
 };
 use sim::{
+    devices::Observation,
     loading::SceneFile,
     render::Renderer,
     run::{RunOptions, RunRecord, Witness, run, run_witnessed},
@@ -202,8 +203,8 @@ struct Beside {
 impl Witness for Beside {
     fn start(&mut self, _offset_s: f64, _station: Option<usize>) {}
 
-    fn sense(&mut self, reading: &Reading) {
-        self.localizers.iter_mut().for_each(|(localizer, _)| drop(localizer.observe(reading)));
+    fn sense(&mut self, observation: &Observation) {
+        self.localizers.iter_mut().for_each(|(localizer, _)| drop(localizer.observe(&observation.reading)));
     }
 
     fn account(&mut self, _reading: &Reading, _accounts: &[Account]) {}

@@ -19,7 +19,7 @@
 
 use localizer::{Estimate, Pose, Reading, RobotModel, Status, localizer::Account};
 
-use crate::{run::Witness, scene::Scene, truth::Truth};
+use crate::{devices::Observation, run::Witness, scene::Scene, truth::Truth};
 
 mod bag;
 mod boxes;
@@ -124,7 +124,8 @@ impl<S: Sink> Witness for Stream<S> {
         self.put(exact::START, "wherein_msgs/Start", offset_s, &Start { offset_s, station }.encode());
     }
 
-    fn sense(&mut self, reading: &Reading) {
+    fn sense(&mut self, observation: &Observation) {
+        let reading = &observation.reading;
         let (topic, message) = exact::encode(reading);
         let (arrived_s, measured_s) = (reading.arrived_s() + self.offset_s, reading.measured_s() + self.offset_s);
         match reading {

@@ -87,7 +87,7 @@ impl<'a> Recorder<'a> {
     /// Records a reading on its way into the localizer.
     pub(super) fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
-        self.witness.sense(reading);
+        self.witness.sense(observation);
         if self.asks_baselines {
             self.history.motion_baselines.sense(reading);
         }

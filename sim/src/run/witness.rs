@@ -2,15 +2,15 @@
 
 use localizer::{Estimate, Pose, Reading, localizer::Account};
 
-use crate::truth::Truth;
+use crate::{devices::Observation, truth::Truth};
 
 /// An observer that is told of a run's events in their order. Nothing that an observer does reaches the run.
 pub trait Witness {
     /// The localizer starts, at the scene's start or at a station (a stated pose at which the robot stands still). From this call on the times of
     /// steps include `offset_s`, but those of readings do not.
     fn start(&mut self, offset_s: f64, station: Option<usize>);
-    /// A sensor's reading is about to reach the localizer.
-    fn sense(&mut self, reading: &Reading);
+    /// A sensor's reading is about to reach the localizer. The observation has the truth behind the reading, too.
+    fn sense(&mut self, observation: &Observation);
     /// The methods of the localizer have read `reading`; `accounts` are their reports of what they found in it and what it did to the estimate.
     fn account(&mut self, reading: &Reading, accounts: &[Account]);
     /// A step of 10 ms has ended. The times in `truth` and `estimate` are those of the whole run: they include the offset of the present drive.
@@ -20,7 +20,7 @@ pub trait Witness {
 /// The observer that ignores all events.
 impl Witness for () {
     fn start(&mut self, _offset_s: f64, _station: Option<usize>) {}
-    fn sense(&mut self, _reading: &Reading) {}
+    fn sense(&mut self, _observation: &Observation) {}
     fn account(&mut self, _reading: &Reading, _accounts: &[Account]) {}
     fn step(&mut self, _truth: &Truth, _estimate: &Estimate, _odometry: Pose) {}
 }
@@ -31,8 +31,8 @@ impl<W: Witness> Witness for Option<W> {
         self.iter_mut().for_each(|witness| witness.start(offset_s, station));
     }
 
-    fn sense(&mut self, reading: &Reading) {
-        self.iter_mut().for_each(|witness| witness.sense(reading));
+    fn sense(&mut self, observation: &Observation) {
+        self.iter_mut().for_each(|witness| witness.sense(observation));
     }
 
     fn account(&mut self, reading: &Reading, accounts: &[Account]) {
@@ -51,9 +51,9 @@ impl<A: Witness, B: Witness> Witness for (A, B) {
         self.1.start(offset_s, station);
     }
 
-    fn sense(&mut self, reading: &Reading) {
-        self.0.sense(reading);
-        self.1.sense(reading);
+    fn sense(&mut self, observation: &Observation) {
+        self.0.sense(observation);
+        self.1.sense(observation);
     }
 
     fn account(&mut self, reading: &Reading, accounts: &[Account]) {
