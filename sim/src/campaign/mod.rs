@@ -5,6 +5,7 @@
 //! | [`sweep`] | runs every combination of some keys' values with several seeds, and continues where it was stopped |
 //! | [`falsify`] | runs random scenes and reduces each one that fails to a small scene |
 //! | [`weaken`] | gives the localizer ever narrower bounds until it loses the truth |
+//! | [`sharpness`] | compares the boxes of a run with what its readings and bounds leave open |
 //! | [`cases`] | reads the cases of a sweep, or the runs below a folder: one row each |
 //! | [`report`] | sums cases up: an HTML page, Markdown, or lines for a terminal |
 //! | [`comparison`] | compares two sets of cases |
@@ -13,6 +14,7 @@
 pub mod sweep;
 pub mod falsify;
 pub mod weaken;
+pub mod sharpness;
 pub mod cases;
 pub mod report;
 pub mod comparison;

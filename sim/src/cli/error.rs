@@ -9,7 +9,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
     artefacts::{recording::LiveError, replay::ReplayError, run_files::RecordError},
-    campaign::{comparison::SideError, falsify::FalsifyError, sweep::SweepError},
+    campaign::{comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError},
     loading::UpgradeError,
     render::RenderError,
     scene::SceneError,
@@ -36,6 +36,8 @@ pub(super) enum CommandError {
     Sweep(#[from] SweepError),
     #[error(transparent)]
     Falsify(#[from] FalsifyError),
+    #[error(transparent)]
+    Sharpness(#[from] SharpnessError),
     #[error(transparent)]
     Side(#[from] SideError),
     #[error("compare {} and {}: no case ran in both, expected the same scenes, settings and seeds", .0.display(), .1.display())]
@@ -68,6 +70,10 @@ pub(super) enum CommandError {
     NoCeilingMarkers(PathBuf),
     #[error("write {}: it exists already, expected another folder by --out", .0.display())]
     Exists(PathBuf),
+    #[error("measure the sharpness of {}: `{key}` is missing or not allowed, expected {expected}", run.display())]
+    UnknownRun { run: PathBuf, key: &'static str, expected: &'static str },
+    #[error("measure the sharpness of {}: `digest.readings` is {now} when simulated again, expected {recorded} as recorded, by the same version and graphics adapter", run.display())]
+    OtherReadings { run: PathBuf, recorded: String, now: String },
     #[error("print: {0}")]
     Output(#[from] io::Error),
 }

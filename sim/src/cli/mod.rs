@@ -28,6 +28,7 @@ mod report;
 mod results_arguments;
 mod run;
 mod scenes_and_seeds;
+mod sharpness;
 mod sweep;
 mod table;
 mod upgrade;
@@ -57,6 +58,7 @@ Examples:
                                                                   every value with twenty seeds, and a report
   wherein falsify --minutes 10                                    a search for random scenes that fail
   wherein weaken scenes/x.toml --set robot.errors=corner          how tight the scene's bounds are
+  wherein sharpness renders/x/0                                   how much wider its boxes are than they must be
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from that pose
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
   wherein run scenes/x.toml --live                                the same, live
@@ -74,6 +76,8 @@ enum Command {
     Run(run::RunArguments),
     /// Gives the localizer ever narrower bounds until it loses the truth, to show how tight the declared bounds are.
     Weaken(weaken::WeakenArguments),
+    /// Compares the boxes of a run with witnesses: histories other than the truth that keep every bound on the run's readings.
+    Sharpness(sharpness::SharpnessArguments),
     /// Runs one scene with every combination of the values of some keys, and reports on all of these runs.
     Sweep(SweepArguments),
     /// Writes the report of a folder of results: report.html, summary.md and results.csv.
@@ -138,6 +142,7 @@ pub fn main() -> ExitCode {
     let outcome = match command {
         Command::Run(arguments) => run::run_scenes(&arguments, adapter),
         Command::Weaken(arguments) => weaken::weaken_scenes(&arguments, adapter),
+        Command::Sharpness(arguments) => sharpness::sharpness(&arguments, adapter),
         Command::Sweep(arguments) => sweep::sweep(&arguments, adapter),
         Command::Merge(arguments) => sweep::merge_folders(&arguments),
         Command::Report(arguments) => report::report_folder(&arguments),

@@ -1,0 +1,191 @@
+//! Sharpness: how wide the localizer's boxes are, compared with what the readings and the declared bounds leave open.
+//!
+//! A *witness* is a whole history of robot and sensors, other than the truth, that keeps every declared bound on the very readings of a run that have
+//! arrived by an instant. A localizer cannot know that it is not the truth, so that a guaranteed box has to contain where it ends. Along each axis the
+//! distance between the outermost witnesses therefore bounds the exact set's width from below, and the box's width over that distance bounds the
+//! sharpness from above: 1 is a box that cannot be narrower.
+//!
+//! Every witness is checked by code that shares nothing with the localizer's measurements: it computes each reading from the history by its own
+//! formulas, in interval arithmetic, and compares it with the declared bound. Where the search ends early, witnesses are weak and the figure is too great, never too small.
+
+mod gyro;
+mod history;
+mod kind;
+mod motion;
+mod number;
+mod range;
+mod readings;
+mod search;
+mod wheels;
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
+
+use localizer::{Estimate, Pose};
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::{
+    devices::Observation,
+    run::{RunRecord, Witness},
+    scene::Scene,
+    truth::Truth,
+};
+
+use readings::{Readings, unsupported};
+
+/// Number of instants at which witnesses are sought, evenly over the drive.
+const N_INSTANTS: usize = 20;
+/// Time of a drive beyond which no instant lies: the work for one instant grows with the time before it.
+const LONGEST_S: f64 = 200.0;
+
+/// Names of the axes of a pose with their units, in the order of every array of this module.
+pub const AXES: [&str; 3] = ["x_m", "y_m", "heading_rad"];
+
+/// An observer that keeps the readings of a run, with the truth behind each, but for images.
+#[derive(Default)]
+pub struct ReadingLog {
+    observations: Vec<Observation>,
+    truths: Vec<Truth>,
+}
+
+impl Witness for ReadingLog {
+    fn start(&mut self, _offset_s: f64, _station: Option<usize>) {}
+
+    fn sense(&mut self, observation: &Observation) {
+        if !matches!(observation.reading, localizer::Reading::Camera { .. }) {
+            self.observations.push(observation.clone());
+        }
+    }
+
+    fn account(&mut self, _reading: &localizer::Reading, _accounts: &[localizer::localizer::Account]) {}
+
+    fn step(&mut self, truth: &Truth, _estimate: &Estimate, _odometry: Pose) {
+        self.truths.push(*truth);
+    }
+}
+
+/// Sharpness at one instant, per axis in the order of [`AXES`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Instant {
+    /// Time since the start of the run.
+    pub time_s: f64,
+    /// Full width of the box around the localizer's estimate.
+    pub width: [f64; 3],
+    /// Distance between the outermost witnesses; 0 where none but the truth was found.
+    pub spanned: [f64; 3],
+    /// Whether all witnesses are in the localizer's box. If not, the box is wrong, however the truth lies.
+    pub in_box: bool,
+    /// Where no witness was found: the bound that the truth or the last candidate broke.
+    pub broken: Option<String>,
+}
+
+impl Instant {
+    /// The box's width over the distance of the witnesses; `None` where there is no pair of witnesses.
+    pub fn ratio(&self, axis: usize) -> Option<f64> {
+        (self.spanned[axis] > 0.0).then(|| self.width[axis] / self.spanned[axis])
+    }
+
+    /// Whether there is a pair of witnesses along every axis.
+    pub fn has_pair(&self) -> bool {
+        self.spanned.iter().all(|spanned| *spanned > 0.0)
+    }
+}
+
+/// Sharpness of the boxes of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sharpness {
+    /// The instants, in ascending order.
+    pub instants: Vec<Instant>,
+}
+
+impl Sharpness {
+    /// Median of the ratios of an axis, over the instants with a pair of witnesses; `None` where there is none.
+    pub fn median(&self, axis: usize) -> Option<f64> {
+        let mut ratios: Vec<f64> = self.instants.iter().filter_map(|instant| instant.ratio(axis)).collect();
+        ratios.sort_by(f64::total_cmp);
+        let middle = ratios.len() / 2;
+        match ratios.len() {
+            0 => None,
+            n if n % 2 == 1 => Some(ratios[middle]),
+            _ => Some(0.5 * (ratios[middle - 1] + ratios[middle])),
+        }
+    }
+}
+
+/// Why no sharpness can be measured for a scene. The text follows "failed to".
+#[derive(Debug, Error)]
+pub enum SharpnessError {
+    /// The scene has something of which no witness can be checked yet.
+    #[error("measure the sharpness of {scene}: `{key}` is {value}, expected {expected}")]
+    Unsupported {
+        /// Name of the scene.
+        scene: String,
+        /// Key of the scene.
+        key: &'static str,
+        /// Its value.
+        value: String,
+        /// What was expected instead.
+        expected: &'static str,
+    },
+}
+
+/// Instants at which sharpness is measured, for a drive that lasts `duration_s`: evenly spaced, the last at the end or after 200 s.
+pub fn instants_s(duration_s: f64) -> Vec<f64> {
+    let last_s = duration_s.min(LONGEST_S);
+    // Estimates are made every 10 ms.
+    (1..=N_INSTANTS).map(|at| (last_s * at as f64 / N_INSTANTS as f64 * 100.0).floor() / 100.0).collect()
+}
+
+/// Measures the sharpness of a recorded run of a scene, whose readings are in the log. `progress` is called with the number of instants done.
+pub fn measure(
+    scene: &Scene,
+    name: &str,
+    record: &RunRecord,
+    log: &ReadingLog,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Sharpness, SharpnessError> {
+    refuse_unsupported(scene, name)?;
+    let last_s = record.truths.last().map_or(0.0, |truth| truth.time_s);
+    let readings = Readings::of(scene, record, log);
+    let mut instants = Vec::new();
+    for time_s in instants_s(last_s.min(scene.duration_s)) {
+        let at = record.estimates.partition_point(|estimate| estimate.time_s < time_s - 0.005);
+        let Some(estimate) = record.estimates.get(at) else { break };
+        instants.push(at_instant(&readings, estimate, record.truths[at].time_s));
+        progress(instants.len());
+    }
+    Ok(Sharpness { instants })
+}
+
+/// Errors for a scene with readings or bounds of which no witness can be checked.
+pub fn refuse_unsupported(scene: &Scene, name: &str) -> Result<(), SharpnessError> {
+    match unsupported(scene) {
+        Some((key, value, expected)) => {
+            Err(SharpnessError::Unsupported { scene: name.to_owned(), key, value, expected })
+        }
+        None => Ok(()),
+    }
+}
+
+fn at_instant(readings: &Readings, estimate: &Estimate, time_s: f64) -> Instant {
+    let hull = estimate.pose.hull();
+    let width = [0, 1, 2].map(|axis| hull[axis].width());
+    let mut instant = Instant { time_s, width, spanned: [0.0; 3], in_box: true, broken: None };
+    let Some((truth, kinds)) = readings.until(time_s) else {
+        instant.broken = Some("no reading".to_owned());
+        return instant;
+    };
+    // A witness is in the box, and so is the truth: no witness is farther from the truth than the box is wide.
+    match search::search(&truth, &kinds, width.map(|width| 1.5 * width + 1e-3)) {
+        Ok(found) => {
+            instant.spanned = found.spanned.map(|spanned| spanned.width());
+            // The witnesses of different branches need not be in one branch, so that each axis is compared with the hull.
+            instant.in_box = (0..3).all(|axis| found.spanned[axis].is_subset_of(hull[axis]));
+            instant.broken = found.broken.first().map(|broken| broken.to_string());
+        }
+        Err(broken) => instant.broken = Some(format!("the truth: {broken}")),
+    }
+    instant
+}

@@ -1,0 +1,173 @@
+//! A history: everything that a run's readings depend on, from the start to an instant.
+//!
+//! The truth is one history. A history other than the truth that keeps every declared bound on the same readings is a *witness*: nobody who has only
+//! the readings and the bounds can tell it from the truth.
+
+use std::collections::BTreeMap;
+
+use interval::Interval;
+use localizer::Pose;
+
+use super::number::Number;
+
+/// A quantity of a history that is not part of the robot's motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Quantity {
+    /// Rolling radius of the left (0) or right (1) wheel, in metres.
+    WheelRadius(usize),
+    /// Distance between the wheels' contact points, in metres.
+    Track,
+    /// Bias of the gyroscope that is the same over the run, in radians per second.
+    GyroBias,
+    /// Scale factor of the gyroscope.
+    GyroScale,
+    /// Position of the range camera's first view in the robot frame, forward (0) or left (1), in metres.
+    RangePosition(usize),
+    /// Direction of the range camera's optical axis from robot forward, in radians.
+    RangeYaw,
+    /// Rotation vector of the range camera's vertical against the body's, about robot x (0) or y (1), in radians.
+    RangeTilt(usize),
+    /// Focal length of the range camera, in pixels.
+    RangeFocal,
+    /// Distance between the range camera's views, in metres.
+    RangeBaseline,
+    /// World x (0), y (1) or z (2) of the landmark with this code, in metres.
+    Landmark(u32, usize),
+    /// Rotation of the body against the floor about robot x (0, roll) or robot y (1, pitch) at the stamp with this index, in radians.
+    BodyTilt(usize, usize),
+}
+
+impl Quantity {
+    /// Whether the quantity takes effect only in products with other unknown quantities: heights of landmarks, with tilts.
+    pub(super) fn is_in_products(self) -> bool {
+        matches!(self, Quantity::Landmark(_, 2))
+    }
+}
+
+/// Motion of the robot and all other quantities that the readings depend on.
+#[derive(Clone, Debug)]
+pub(super) struct History {
+    /// True instants in ascending order, in seconds since the start. Every reading was measured at one of them.
+    pub(super) stamps_s: Vec<f64>,
+    /// Pose of the robot, `world_from_robot`, at each stamp. Between two stamps speed and turn rate are constant in the robot frame.
+    pub(super) poses: Vec<Pose>,
+    /// Spin angle of the left and of the right wheel since the start, at each stamp.
+    pub(super) wheel_angle_rad: Vec<[f64; 2]>,
+    /// Height of the robot's origin above its height at rest, at each stamp.
+    pub(super) heave_m: Vec<f64>,
+    /// All other quantities.
+    pub(super) quantities: BTreeMap<Quantity, f64>,
+}
+
+impl History {
+    /// Value of a quantity; NaN, which keeps no bound, where the history has no such quantity.
+    pub(super) fn value(&self, quantity: Quantity) -> f64 {
+        self.quantities.get(&quantity).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Index of the stamp at exactly this instant.
+    pub(super) fn stamp_at(&self, time_s: f64) -> Option<usize> {
+        self.stamps_s.binary_search_by(|stamp_s| stamp_s.total_cmp(&time_s)).ok()
+    }
+
+    /// Stamps at which a device looked at something, in ascending order.
+    pub(super) fn looks(&self) -> impl Iterator<Item = usize> {
+        self.quantities.keys().filter_map(|quantity| match quantity {
+            Quantity::BodyTilt(stamp, 0) => Some(*stamp),
+            _ => None,
+        })
+    }
+
+    /// The history up to the stamp with this index. Quantities of later stamps are left out.
+    pub(super) fn until(&self, stamp: usize) -> History {
+        let mut quantities = self.quantities.clone();
+        quantities.retain(|quantity, _| !matches!(quantity, Quantity::BodyTilt(at, _) if *at > stamp));
+        History {
+            stamps_s: self.stamps_s[..=stamp].to_vec(),
+            poses: self.poses[..=stamp].to_vec(),
+            wheel_angle_rad: self.wheel_angle_rad[..=stamp].to_vec(),
+            heave_m: self.heave_m[..=stamp].to_vec(),
+            quantities,
+        }
+    }
+
+    /// The history that is this far on the way from this one to another with the same stamps: 0 is this one, 1 the other.
+    pub(super) fn towards(&self, other: &History, share: f64) -> History {
+        let mix = |from: f64, to: f64| from + share * (to - from);
+        let mut mixed = self.clone();
+        for (pose, to) in mixed.poses.iter_mut().zip(&other.poses) {
+            *pose = Pose {
+                x_m: mix(pose.x_m, to.x_m),
+                y_m: mix(pose.y_m, to.y_m),
+                heading_rad: mix(pose.heading_rad, to.heading_rad),
+            };
+        }
+        for (quantity, value) in &mut mixed.quantities {
+            *value = mix(*value, other.value(*quantity));
+        }
+        mixed
+    }
+
+    /// The robot's travel from each stamp to the next.
+    pub(super) fn steps<T: Number>(&self) -> impl Iterator<Item = Step<T>> {
+        self.poses.windows(2).map(|pair| Step::between(pair[0], pair[1]))
+    }
+}
+
+/// The robot's travel from one stamp to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step<T> {
+    /// Travel of the robot's origin along the robot's x axis.
+    pub(super) along_m: T,
+    /// Travel of the robot's origin along the robot's y axis.
+    pub(super) left_m: T,
+    /// Turn of the robot.
+    pub(super) turn_rad: T,
+}
+
+impl<T: Number> Step<T> {
+    /// The travel with constant speed and turn rate that leads from one pose to another: with mid heading β and half turn ½τ the displacement along β
+    /// and across it is (along, left)·sin ½τ / ½τ.
+    fn between(from: Pose, to: Pose) -> Step<T> {
+        let (from_rad, to_rad) = (T::of(from.heading_rad), T::of(to.heading_rad));
+        let half = T::of(0.5);
+        let middle_rad = half * (from_rad + to_rad);
+        let turn_rad = to_rad - from_rad;
+        let (sin, cos) = (middle_rad.sin(), middle_rad.cos());
+        let moved_m = [T::of(to.x_m) - T::of(from.x_m), T::of(to.y_m) - T::of(from.y_m)];
+        let chord = (half * turn_rad).sinc();
+        Step {
+            along_m: (cos * moved_m[0] + sin * moved_m[1]).over(chord),
+            left_m: (cos * moved_m[1] - sin * moved_m[0]).over(chord),
+            turn_rad,
+        }
+    }
+}
+
+/// Sums of the steps' travel up to each stamp, the first of which is 0.
+pub(super) fn sums(values: impl Iterator<Item = Interval>) -> Vec<Interval> {
+    let mut all = vec![Interval::ZERO];
+    let mut sum = Interval::ZERO;
+    for value in values {
+        sum += value;
+        all.push(sum);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quarter circle of radius 2 m to the left: the arc is π m long, and the end is 2 m ahead and 2 m to the left.
+    #[test]
+    fn a_quarter_circle_is_travel_along_the_robot_alone() {
+        let quarter_rad = std::f64::consts::FRAC_PI_2;
+        let from = Pose { x_m: 1.0, y_m: -3.0, heading_rad: quarter_rad };
+        let to = Pose { x_m: -1.0, y_m: -1.0, heading_rad: 2.0 * quarter_rad };
+        let step: Step<f64> = Step::between(from, to);
+        assert!((step.along_m - std::f64::consts::PI).abs() < 1e-14 && step.left_m.abs() < 1e-14, "{step:?}");
+        let enclosed: Step<Interval> = Step::between(from, to);
+        assert!(enclosed.along_m.contains(std::f64::consts::PI) && enclosed.along_m.width() < 1e-13);
+    }
+}

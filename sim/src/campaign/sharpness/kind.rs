@@ -1,0 +1,237 @@
+//! What a kind of reading demands of a history: an exact check of every bound, and the same bounds as linear rows for the search.
+
+use std::collections::BTreeMap;
+
+use interval::Interval;
+use localizer::{Pose, bounds::Assumption};
+
+use super::history::{History, Quantity};
+
+/// A kind of reading with all its readings, or a kind of bound that holds without readings.
+///
+/// A new kind is one file that implements this, and one line of [`kinds`](super::kinds).
+pub(super) trait Kind {
+    /// The quantities that this kind adds to a history, each with the interval that is declared for it and the bound's name.
+    fn declared(&self, history: &History) -> Vec<Declared>;
+
+    /// Checks every declared bound of this kind on the history, with outward rounding; errors with a bound that is, or may be, exceeded by more than
+    /// the share `slack` of it.
+    fn check(&self, history: &History, slack: f64) -> Result<(), Broken>;
+
+    /// Moves a history a little to where the bounds of this kind leave more room, without moving its knots.
+    fn ease(&self, _history: &mut History, _knots: &[usize]) {}
+
+    /// Adds linear rows that stand for the bounds near the history. They only guide the search, so that they may leave out bounds that hardly matter.
+    fn add_rows(&self, near: &mut Linearised<'_>);
+}
+
+/// The interval that is declared for a quantity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Declared {
+    pub(super) quantity: Quantity,
+    pub(super) interval: Interval,
+    pub(super) bound: Assumption,
+}
+
+/// A declared bound that a history does not keep, or that rounding leaves in doubt.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Broken {
+    /// Name of the bound.
+    pub(super) bound: Assumption,
+    /// End of the span over which the bound is exceeded.
+    pub(super) time_s: f64,
+    /// Value of the quantity that the bound limits.
+    pub(super) value: Interval,
+    /// The interval in which the bound demands the value.
+    pub(super) allowed: Interval,
+}
+
+impl std::fmt::Display for Broken {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} at {:.3} s: {} instead of {}", self.bound, self.time_s, self.value, self.allowed)
+    }
+}
+
+/// Demands that a value is surely within the interval that a bound allows, widened by the share `slack` of its greatest number.
+pub(super) fn demand(
+    slack: f64,
+    bound: Assumption,
+    time_s: f64,
+    value: Interval,
+    allowed: Interval,
+) -> Result<(), Broken> {
+    // An empty interval stands for a value that could not be computed, so that it keeps no bound.
+    let widened = if slack > 0.0 { allowed.inflate(slack * allowed.magnitude()) } else { allowed };
+    if !value.is_empty() && value.is_subset_of(widened) {
+        return Ok(());
+    }
+    Err(Broken { bound, time_s, value, allowed })
+}
+
+/// The interval of all numbers whose magnitude is at most the least number of `most`.
+pub(super) fn within(most: Interval) -> Interval {
+    Interval::new(-most.lo(), most.lo())
+}
+
+/// Share of the width of a row's interval by which it is narrowed at both ends. The room is for what is not linear; the witness loses about twice
+/// that share of its distance.
+const MARGIN: f64 = 0.004;
+
+/// How far a program may go from its history.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trust {
+    /// Greatest deviation of a quantity.
+    pub(super) most: f64,
+    /// Whether quantities move that are multiplied by others, so that linear rows are good only near the history.
+    pub(super) moves_products: bool,
+}
+
+/// Share of a value by which the range of its deviation is narrowed at both ends, so that their sum rounds to a number in the declared interval.
+const ROUNDING: f64 = 1e-12;
+
+/// A linear program in the deviations from a history, as far as its rows are known.
+///
+/// Deviations of the pose are unknowns at some of the stamps, the *knots*, and change linearly in time from one knot to the next. In addition, a
+/// deviation of the gyroscope's scale stretches the turn between two knots, so that it agrees with every reading between them.
+pub(super) struct Linearised<'a> {
+    /// The history from which deviations count.
+    pub(super) history: &'a History,
+    /// Stamps of the knots in ascending order; the first and the last stamp are knots.
+    pub(super) knots: &'a [usize],
+    /// For each stamp the knot at or before it, and the share of the way from that knot to the next.
+    places: Vec<(usize, f64)>,
+    /// For each stamp how the heading changes per deviation of the gyroscope's scale.
+    stretches_rad: Vec<f64>,
+    quantities: BTreeMap<Quantity, usize>,
+    /// Interval of each unknown.
+    pub(super) ranges: Vec<Interval>,
+    /// Terms and interval of each row.
+    pub(super) rows: Vec<(Vec<(usize, f64)>, Interval)>,
+}
+
+impl<'a> Linearised<'a> {
+    /// The program without rows: three unknowns for each knot, within `pose_ranges`, then one for each
+    /// quantity that is declared.
+    pub(super) fn new(
+        history: &'a History,
+        knots: &'a [usize],
+        pose_ranges: Vec<Interval>,
+        declared: &[Declared],
+        trust: Trust,
+    ) -> Self {
+        let mut places = Vec::with_capacity(history.stamps_s.len());
+        let mut knot = 0;
+        for stamp in 0..history.stamps_s.len() {
+            while knot + 2 < knots.len() && knots[knot + 1] <= stamp {
+                knot += 1;
+            }
+            let [from_s, to_s] = [knots[knot], knots[knot + 1]].map(|knot| history.stamps_s[knot]);
+            places.push((knot, (history.stamps_s[stamp] - from_s) / (to_s - from_s)));
+        }
+        let scale = history.value(Quantity::GyroScale);
+        let stretches_rad = places
+            .iter()
+            .zip(&history.poses)
+            .map(|(&(knot, share), pose)| {
+                let [from, to] = [knots[knot], knots[knot + 1]].map(|knot| history.poses[knot].heading_rad);
+                let stretch = -(pose.heading_rad - from - share * (to - from)) / scale;
+                if stretch.is_finite() { stretch } else { 0.0 }
+            })
+            .collect();
+        let n_poses = pose_ranges.len();
+        let indices = declared.iter().enumerate().map(|(at, declared)| (declared.quantity, n_poses + at)).collect();
+        let mut near = Linearised {
+            history,
+            knots,
+            places,
+            stretches_rad,
+            quantities: indices,
+            ranges: pose_ranges,
+            rows: Vec::new(),
+        };
+        for Declared { quantity, interval, .. } in declared {
+            let is_free = trust.moves_products || !quantity.is_in_products();
+            let most = if is_free { trust.most } else { 0.0 };
+            let unknown = near.helper(Interval::new(-most, most));
+            near.hold(unknown, history.value(*quantity), *interval);
+        }
+        near
+    }
+
+    /// The knot at or before a stamp, and the share of the way from that knot to the next.
+    pub(super) fn place(&self, stamp: usize) -> (usize, f64) {
+        self.places[stamp]
+    }
+
+    /// A further unknown that is no quantity of the history.
+    pub(super) fn helper(&mut self, range: Interval) -> usize {
+        self.ranges.push(range);
+        self.ranges.len() - 1
+    }
+
+    /// Terms of a coefficient times the deviation of a pose's x (0), y (1) or heading (2) at a stamp.
+    pub(super) fn pose(&self, stamp: usize, axis: usize, coefficient: f64) -> [(usize, f64); 3] {
+        let (knot, share) = self.places[stamp];
+        let stretch = if axis == 2 { self.stretches_rad[stamp] } else { 0.0 };
+        [
+            (3 * knot + axis, coefficient * (1.0 - share)),
+            (3 * (knot + 1) + axis, coefficient * share),
+            self.quantity(Quantity::GyroScale, coefficient * stretch),
+        ]
+    }
+
+    /// The history that deviates from this one by a point of the program.
+    pub(super) fn moved(&self, point: &[f64]) -> History {
+        let mut moved = self.history.clone();
+        for (stamp, pose) in moved.poses.iter_mut().enumerate() {
+            let by = [0, 1, 2].map(|axis| {
+                self.pose(stamp, axis, 1.0).iter().map(|&(at, coefficient)| coefficient * point[at]).sum::<f64>()
+            });
+            let [x_m, y_m, heading_rad] = [pose.x_m + by[0], pose.y_m + by[1], pose.heading_rad + by[2]];
+            *pose = Pose { x_m, y_m, heading_rad };
+        }
+        for (quantity, at) in &self.quantities {
+            if let Some(value) = moved.quantities.get_mut(quantity) {
+                *value += point[*at];
+            }
+        }
+        moved
+    }
+
+    /// Term of a coefficient times the deviation of a quantity; of 0 times the first unknown where the history does not have it.
+    pub(super) fn quantity(&self, quantity: Quantity, coefficient: f64) -> (usize, f64) {
+        self.quantities.get(&quantity).map_or((0, 0.0), |&at| (at, coefficient))
+    }
+
+    /// Adds the row that a value, which is `value` at the history and changes by the terms, stays in an interval.
+    pub(super) fn add(&mut self, mut terms: Vec<(usize, f64)>, value: f64, allowed: Interval) {
+        terms.retain(|(_, coefficient)| *coefficient != 0.0);
+        let narrowed_by = MARGIN * allowed.width();
+        let (lo, hi) = (allowed.lo() + narrowed_by - value, allowed.hi() - narrowed_by - value);
+        if lo <= hi {
+            self.rows.push((terms, Interval::new(lo, hi)));
+        }
+    }
+
+    /// Narrows the range of an unknown, so that a value that is `value` at the history and changes as the unknown does stays in an interval. Unlike a
+    /// row, this keeps an interval that is a single number exactly.
+    pub(super) fn hold(&mut self, unknown: usize, value: f64, allowed: Interval) {
+        let hair = ROUNDING * (1.0 + value.abs());
+        let (lo, hi) = (allowed.lo() - value + hair, allowed.hi() - value - hair);
+        let left = self.ranges[unknown].intersect(Interval::new(lo, hi));
+        self.ranges[unknown] = if lo > hi || left.is_empty() { Interval::ZERO } else { left };
+    }
+
+    /// Adds rows that keep a vector of two quantities shorter than `most`: a polygon of 16 sides with its corners on the circle.
+    pub(super) fn add_disc(&mut self, quantities: [Quantity; 2], most: f64) {
+        let half_corner_rad = std::f64::consts::PI / 16.0;
+        let side = most * half_corner_rad.cos();
+        for direction in 0..8 {
+            let (sin, cos) = (f64::from(2 * direction + 1) * half_corner_rad).sin_cos();
+            let [a, b] = quantities;
+            let value = cos * self.history.value(a) + sin * self.history.value(b);
+            let terms = vec![self.quantity(a, cos), self.quantity(b, sin)];
+            self.add(terms, value, Interval::new(-side, side));
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Readings of the range camera: the columns at which its two views see landmarks.
+
+use interval::Interval;
+use localizer::{
+    bounds,
+    reading::Sighting,
+    robot::{BodyModel, RangeCameraModel},
+};
+
+use super::{
+    history::{History, Quantity},
+    kind::{Broken, Declared, Kind, Linearised, demand, within},
+    number::{Number, turned_about, turned_by},
+};
+
+/// What the range camera saw at one stamp.
+pub(super) struct Look {
+    pub(super) stamp: usize,
+    /// Stamp that the camera gave the reading.
+    pub(super) measured_s: f64,
+    /// Sightings whose codes are those of the landmarks seen. One that names another landmark bounds nothing; which ones do is that of the truth.
+    pub(super) sightings: Vec<Sighting>,
+}
+
+/// All readings of the range camera that have arrived by an instant.
+pub(super) struct Range {
+    pub(super) looks: Vec<Look>,
+    pub(super) model: RangeCameraModel,
+    pub(super) body: BodyModel,
+}
+
+/// Number of quantities that a sighting depends on.
+const N_INPUTS: usize = 16;
+
+/// Step of the numeric differentiation: near the cube root of the rounding unit, for central differences.
+const STEP: f64 = 1e-6;
+
+/// What a sighting depends on: the pose (3), the body's roll and pitch, the landmark (3), position (2), yaw, tilt (2), focal length and baseline of
+/// the camera, and the body's heave.
+type Inputs<T> = [T; N_INPUTS];
+
+/// Columns at which both views see a landmark, less the column of the optical axis, and the landmark's depth.
+fn columns_px<T: Number>(inputs: &Inputs<T>, height_m: T) -> ([T; 2], T) {
+    let &[x, y, heading, roll, pitch, lx, ly, lz, forward, left, yaw, tilt_x, tilt_y, focal, baseline, heave] = inputs;
+    // The body is turned by Rz(heading)·Ry(pitch)·Rx(roll), the camera on it by its tilt and then by its yaw. All of it is undone, outermost first.
+    let in_body = turned_about(2, -heading, [lx - x, ly - y, lz - heave]);
+    let in_body = turned_about(0, -roll, turned_about(1, -pitch, in_body));
+    let from_view = [in_body[0] - forward, in_body[1] - left, in_body[2] - height_m];
+    let [ahead, to_left, _] = turned_about(2, -yaw, turned_by([-tilt_x, -tilt_y], from_view));
+    let right = -to_left;
+    ([(focal * right).over(ahead), (focal * (right - baseline)).over(ahead)], ahead)
+}
+
+impl Range {
+    /// The quantities of the history that a sighting depends on, in the order of the inputs after the pose.
+    fn quantities(stamp: usize, landmark: u32) -> [Quantity; N_INPUTS - 4] {
+        [
+            Quantity::BodyTilt(stamp, 0),
+            Quantity::BodyTilt(stamp, 1),
+            Quantity::Landmark(landmark, 0),
+            Quantity::Landmark(landmark, 1),
+            Quantity::Landmark(landmark, 2),
+            Quantity::RangePosition(0),
+            Quantity::RangePosition(1),
+            Quantity::RangeYaw,
+            Quantity::RangeTilt(0),
+            Quantity::RangeTilt(1),
+            Quantity::RangeFocal,
+            Quantity::RangeBaseline,
+        ]
+    }
+
+    fn inputs(history: &History, stamp: usize, quantities: &[Quantity; N_INPUTS - 4]) -> Inputs<f64> {
+        let [x, y, heading] = history.poses[stamp].to_array();
+        let [q0, q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11] = quantities.map(|quantity| history.value(quantity));
+        [x, y, heading, q0, q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, history.heave_m[stamp]]
+    }
+
+    /// Interval in which each view's column is, less the column of the optical axis.
+    fn cells_px(&self, sighting: &Sighting) -> [Interval; 2] {
+        let half = |view: usize| Interval::point(self.model.step_px[view]) * 0.5;
+        let cell = |read_px: f64, view: usize| {
+            let middle = Interval::point(read_px) - Interval::point(self.model.centre_px);
+            Interval::new((middle - half(view)).hi(), (middle + half(view)).lo())
+        };
+        [cell(sighting.left_px, 0), cell(sighting.right_px, 1)]
+    }
+
+    fn codes(&self) -> Vec<u32> {
+        let mut codes: Vec<u32> =
+            self.looks.iter().flat_map(|look| look.sightings.iter().map(|sighting| sighting.landmark.0)).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        codes
+    }
+}
+
+impl Kind for Range {
+    fn declared(&self, _history: &History) -> Vec<Declared> {
+        let model = &self.model;
+        let mut all = Vec::new();
+        let mut put = |quantity, interval, bound| all.push(Declared { quantity, interval, bound });
+        for axis in 0..2 {
+            put(Quantity::RangePosition(axis), model.position_m[axis], bounds::RANGE_CAMERA_POSITION);
+            put(Quantity::RangeTilt(axis), Interval::new(-model.tilt_rad, model.tilt_rad), bounds::RANGE_CAMERA_TILT);
+        }
+        put(Quantity::RangeYaw, model.yaw_rad, bounds::RANGE_CAMERA_YAW);
+        put(Quantity::RangeFocal, model.focal_px, bounds::RANGE_CAMERA_FOCAL);
+        put(Quantity::RangeBaseline, model.baseline_m, bounds::RANGE_CAMERA_BASELINE);
+        let heights_m = Interval::new(model.height_m - model.height_span_m, model.height_m + model.height_span_m);
+        for code in self.codes() {
+            put(Quantity::Landmark(code, 0), Interval::ENTIRE, bounds::RANGE_CAMERA_COLUMNS);
+            put(Quantity::Landmark(code, 1), Interval::ENTIRE, bounds::RANGE_CAMERA_COLUMNS);
+            put(Quantity::Landmark(code, 2), heights_m, bounds::RANGE_CAMERA_HEIGHT_SPAN);
+        }
+        for look in &self.looks {
+            for axis in 0..2 {
+                let tilts_rad = Interval::new(-self.body.tilt_rad, self.body.tilt_rad);
+                put(Quantity::BodyTilt(look.stamp, axis), tilts_rad, bounds::BODY_TILT);
+            }
+        }
+        all
+    }
+
+    fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
+        let height_m = Interval::point(self.model.height_m);
+        let tilt = [0, 1].map(|axis| Interval::point(history.value(Quantity::RangeTilt(axis))));
+        let tilt_rad = tilt[0].hypot(tilt[1]);
+        let most_rad = within(Interval::point(self.model.tilt_rad));
+        demand(slack, bounds::RANGE_CAMERA_TILT, history.stamps_s[0], tilt_rad, most_rad)?;
+        for look in &self.looks {
+            let time_s = history.stamps_s[look.stamp];
+            let off_s = Interval::point(look.measured_s) - Interval::point(time_s);
+            let most_s = within(Interval::point(self.model.stamp_error_s));
+            demand(slack, bounds::RANGE_CAMERA_STAMP, time_s, off_s, most_s)?;
+            for sighting in &look.sightings {
+                let quantities = Range::quantities(look.stamp, sighting.landmark.0);
+                let inputs = Range::inputs(history, look.stamp, &quantities).map(Interval::point);
+                let (columns, depth_m) = columns_px(&inputs, height_m);
+                let ahead = Interval::new(0.0, f64::INFINITY);
+                demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, depth_m, ahead)?;
+                for (column, cell) in columns.into_iter().zip(self.cells_px(sighting)) {
+                    demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, column, cell)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_rows(&self, near: &mut Linearised<'_>) {
+        near.add_disc([0, 1].map(Quantity::RangeTilt), self.model.tilt_rad);
+        for look in &self.looks {
+            for sighting in &look.sightings {
+                let quantities = Range::quantities(look.stamp, sighting.landmark.0);
+                let inputs = Range::inputs(near.history, look.stamp, &quantities);
+                let at = columns_px(&inputs, self.model.height_m).0;
+                let mut terms = [Vec::with_capacity(N_INPUTS + 3), Vec::with_capacity(N_INPUTS + 3)];
+                for input in 0..N_INPUTS - 1 {
+                    let moved = [STEP, -STEP].map(|step| {
+                        let mut moved = inputs;
+                        moved[input] += step;
+                        columns_px(&moved, self.model.height_m).0
+                    });
+                    for view in 0..2 {
+                        let slope = (moved[0][view] - moved[1][view]) / (2.0 * STEP);
+                        match input {
+                            0..3 => terms[view].extend(near.pose(look.stamp, input, slope)),
+                            _ => terms[view].push(near.quantity(quantities[input - 3], slope)),
+                        }
+                    }
+                }
+                for ((terms, value), cell) in terms.into_iter().zip(at).zip(self.cells_px(sighting)) {
+                    near.add(terms, value, cell);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Wheel readings: the counts of the ticks, the dimensions of the axle, slip and side slip.
+
+use interval::Interval;
+use localizer::{
+    bounds,
+    robot::{Reach, WheelModel},
+};
+
+use super::{
+    history::{History, Quantity, Step, sums},
+    kind::{Broken, Declared, Kind, Linearised, demand, within},
+};
+
+/// Time by which a window may be longer than declared and still count, because stamps are rounded.
+const ROUNDING_S: f64 = 1e-9;
+/// Full windows of slip begin at every stamp of this number for the search. Those that a candidate nearly breaks are added one by one.
+const EACH_WINDOW: usize = 5;
+/// Share of a bound above which a window of slip is added to the search on its own.
+const NEARLY: f64 = 0.8;
+
+/// All wheel readings up to an instant.
+pub(super) struct Wheels {
+    /// Stamp of each reading, with the ticks of both wheels where the reading has arrived.
+    pub(super) readings: Vec<(usize, Option<[i64; 2]>)>,
+    pub(super) model: WheelModel,
+    pub(super) reach: Reach,
+}
+
+/// Sums up to each wheel reading: the travel of the left and the right wheel's contact point and of the origin to its left, less what the wheels
+/// rolled; and the paths that the left wheel, the right wheel and their mean rolled.
+struct Travel {
+    error_m: [Vec<Interval>; 3],
+    path_m: [Vec<Interval>; 3],
+    /// True travel of each wheel's contact point.
+    wheel_m: [Vec<Interval>; 2],
+}
+
+impl Wheels {
+    fn travel(&self, history: &History) -> Travel {
+        let steps: Vec<Step<Interval>> = history.steps().collect();
+        let along_m = sums(steps.iter().map(|step| step.along_m));
+        let left_m = sums(steps.iter().map(|step| step.left_m));
+        let half_track_m = Interval::point(history.value(Quantity::Track)) * 0.5;
+        let from_rad = Interval::point(history.poses[0].heading_rad);
+        let at = |stamp: usize, wheel: usize| {
+            let turned_rad = Interval::point(history.poses[stamp].heading_rad) - from_rad;
+            let side_m = half_track_m * turned_rad;
+            along_m[stamp] + if wheel == 0 { -side_m } else { side_m }
+        };
+        let radius_m = [0, 1].map(|wheel| Interval::point(history.value(Quantity::WheelRadius(wheel))));
+        let angle = |stamp: usize, wheel: usize| Interval::point(history.wheel_angle_rad[stamp][wheel]);
+        let stamps: Vec<usize> = self.readings.iter().map(|(stamp, _)| *stamp).collect();
+        let wheel_m = [0, 1].map(|wheel| stamps.iter().map(|&stamp| at(stamp, wheel)).collect::<Vec<_>>());
+        let slip_m = [0, 1].map(|wheel| {
+            let rolled = |&stamp: &usize| radius_m[wheel] * (angle(stamp, wheel) - angle(stamps[0], wheel));
+            stamps.iter().zip(&wheel_m[wheel]).map(|(stamp, travel_m)| *travel_m - rolled(stamp)).collect()
+        });
+        let path_m = [0, 1].map(|wheel| {
+            sums(stamps.windows(2).map(|pair| radius_m[wheel] * (angle(pair[1], wheel) - angle(pair[0], wheel)).abs()))
+        });
+        let mean_m = path_m[0].iter().zip(&path_m[1]).map(|(left, right)| (*left + *right) * 0.5).collect();
+        let side_m = stamps.iter().map(|&stamp| left_m[stamp]).collect();
+        let ([slip_left, slip_right], [left, right]) = (slip_m, path_m);
+        Travel { error_m: [slip_left, slip_right, side_m], path_m: [left, right, mean_m], wheel_m }
+    }
+
+    /// Ratio and floor of the bound of a channel, and its name: slip of the left or right wheel, or side slip.
+    fn slip_bound(&self, channel: usize) -> (f64, f64, &'static str) {
+        let model = &self.model;
+        match channel {
+            2 => (model.side_slip_ratio, model.side_slip_floor_m, bounds::WHEELS_SIDE_SLIP),
+            _ => (model.slip_ratio, model.slip_floor_m, bounds::WHEELS_SLIP),
+        }
+    }
+
+    /// Calls `with` for every window up to the declared length: the readings at its begin and end.
+    fn windows(
+        &self,
+        history: &History,
+        mut with: impl FnMut(usize, usize) -> Result<(), Broken>,
+    ) -> Result<(), Broken> {
+        let time_s = |reading: usize| history.stamps_s[self.readings[reading].0];
+        let mut first = 0;
+        for end in 1..self.readings.len() {
+            while time_s(end) - time_s(first) > self.model.slip_window_s + ROUNDING_S {
+                first += 1;
+            }
+            (first..end).try_for_each(|begin| with(begin, end))?;
+        }
+        Ok(())
+    }
+
+    /// Checks that each wheel stood somewhere within one tick at the start, such that all its counts are right.
+    fn check_ticks(&self, history: &History) -> Result<(), Broken> {
+        for wheel in 0..2 {
+            let mut phase = Interval::new(0.0, 1.0);
+            for (stamp, ticks) in &self.readings {
+                let Some(ticks) = ticks else { continue };
+                let angle = Interval::point(history.wheel_angle_rad[*stamp][wheel]) * self.model.ticks_per_turn;
+                let count = angle / (Interval::PI * 2.0);
+                // ticks ≤ count + phase ≤ ticks + 1, whichever number of the interval the count is.
+                let below = Interval::point(ticks[wheel] as f64) - count;
+                let allowed = Interval::new(below.hi(), (below + Interval::ONE).lo());
+                let left = phase.intersect(allowed);
+                if left.is_empty() {
+                    let time_s = history.stamps_s[*stamp];
+                    return Err(Broken { bound: TICKS, time_s, value: phase, allowed });
+                }
+                phase = left;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that no wheel's travel changes its speed faster than declared.
+    fn check_acceleration(&self, history: &History, travel: &Travel, slack: f64) -> Result<(), Broken> {
+        let most = within(Interval::point(self.reach.acceleration_m_per_s2));
+        for at in 2..self.readings.len() {
+            let [before_s, now_s, after_s] = [2, 1, 0].map(|back| history.stamps_s[self.readings[at - back].0]);
+            for wheel_m in &travel.wheel_m {
+                let speed = (wheel_m[at - 1] - wheel_m[at - 2]) / (Interval::point(now_s) - Interval::point(before_s));
+                let next = (wheel_m[at] - wheel_m[at - 1]) / (Interval::point(after_s) - Interval::point(now_s));
+                let span_s = (Interval::point(after_s) - Interval::point(before_s)) * 0.5;
+                demand(slack, bounds::REACH_ACCELERATION, after_s, (next - speed) / span_s, most)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is broken when no position of the wheels within a tick explains their counts. It is no declared bound: ticks are counted without error.
+const TICKS: &str = "ticks of the wheels";
+
+impl Kind for Wheels {
+    fn declared(&self, _history: &History) -> Vec<Declared> {
+        let radius = |wheel: usize| Declared {
+            quantity: Quantity::WheelRadius(wheel),
+            interval: self.model.radius_m[wheel],
+            bound: bounds::WHEELS_RADIUS,
+        };
+        let track = Declared { quantity: Quantity::Track, interval: self.model.track_m, bound: bounds::WHEELS_TRACK };
+        vec![radius(0), radius(1), track]
+    }
+
+    fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
+        let travel = self.travel(history);
+        self.check_ticks(history)?;
+        self.check_acceleration(history, &travel, slack)?;
+        for channel in 0..3 {
+            let (ratio, floor_m, bound) = self.slip_bound(channel);
+            let (error_m, path_m) = (&travel.error_m[channel], &travel.path_m[channel]);
+            self.windows(history, |begin, end| {
+                let most_m = (path_m[end] - path_m[begin]) * ratio + Interval::point(floor_m);
+                let time_s = history.stamps_s[self.readings[end].0];
+                demand(slack, bound, time_s, error_m[end] - error_m[begin], within(most_m))
+            })?;
+        }
+        Ok(())
+    }
+
+    fn add_rows(&self, near: &mut Linearised<'_>) {
+        let history = near.history;
+        let travel = self.travel(history);
+        let gains = Gains::along(near);
+        for channel in 0..3 {
+            let (ratio, floor_m, _) = self.slip_bound(channel);
+            let (error_m, path_m) = (&travel.error_m[channel], &travel.path_m[channel]);
+            let mut chosen = Vec::new();
+            let mut before = 0;
+            // The windows never fail here, since the closure never does.
+            let _ = self.windows(history, |begin, end| {
+                let slip_m = (error_m[end] - error_m[begin]).mid();
+                let most_m = ratio * (path_m[end] - path_m[begin]).mid() + floor_m;
+                let is_full = end != before && begin % EACH_WINDOW == 0 && begin > 0;
+                before = end;
+                if is_full || slip_m.abs() > NEARLY * most_m {
+                    chosen.push((begin, end, slip_m, most_m));
+                }
+                Ok(())
+            });
+            for (begin, end, slip_m, most_m) in chosen {
+                let [from, to] = [begin, end].map(|reading| self.readings[reading].0);
+                let terms = if channel == 2 {
+                    gains.left(near, from, to)
+                } else {
+                    let mut terms = gains.along_of(near, from, to);
+                    let side = if channel == 0 { -0.5 } else { 0.5 };
+                    let track_m = history.value(Quantity::Track);
+                    terms.extend(near.pose(to, 2, side * track_m));
+                    terms.extend(near.pose(from, 2, -side * track_m));
+                    let turn_rad = history.poses[to].heading_rad - history.poses[from].heading_rad;
+                    terms.push(near.quantity(Quantity::Track, side * turn_rad));
+                    let rolled_rad = history.wheel_angle_rad[to][channel] - history.wheel_angle_rad[from][channel];
+                    terms.push(near.quantity(Quantity::WheelRadius(channel), -rolled_rad));
+                    terms
+                };
+                near.add(terms, slip_m, Interval::new(-most_m, most_m));
+            }
+        }
+    }
+}
+
+/// How the travel between two stamps changes with the deviations at the knots, as sums up to each stamp.
+///
+/// With A = cos θ Δx + sin θ Δy and L = −sin θ Δx + cos θ Δy, dA = cos θ dΔx + sin θ dΔy + L dθ and dL = −sin θ dΔx + cos θ dΔy − A dθ.
+pub(super) struct Gains {
+    /// For each stamp the sums of cos θ and sin θ, each times the step's share of the time between its knots, and of L·(1 − s), L·s, A·(1 − s), A·s,
+    /// where s is the share of the way from one knot to the next.
+    sums: Vec<[f64; 6]>,
+}
+
+impl Gains {
+    pub(super) fn along(near: &Linearised<'_>) -> Gains {
+        let history = near.history;
+        let mut sums = vec![[0.0; 6]];
+        for (at, step) in history.steps::<f64>().enumerate() {
+            let (knot, share) = near.place(at);
+            let [from_s, to_s] = [near.knots[knot], near.knots[knot + 1]].map(|knot| history.stamps_s[knot]);
+            let part = (history.stamps_s[at + 1] - history.stamps_s[at]) / (to_s - from_s);
+            let middle = share + 0.5 * part;
+            let (sin, cos) = (0.5 * (history.poses[at].heading_rad + history.poses[at + 1].heading_rad)).sin_cos();
+            let gained = [
+                cos * part,
+                sin * part,
+                step.left_m * (1.0 - middle),
+                step.left_m * middle,
+                step.along_m * (1.0 - middle),
+                step.along_m * middle,
+            ];
+            let last = sums[at];
+            sums.push([0, 1, 2, 3, 4, 5].map(|part| last[part] + gained[part]));
+        }
+        Gains { sums }
+    }
+
+    /// The parts of a span that lie between two knots each: the knot, and the sums over the part.
+    fn parts(&self, near: &Linearised<'_>, from: usize, to: usize) -> Vec<(usize, [f64; 6])> {
+        let mut parts = Vec::new();
+        let mut at = from;
+        while at < to {
+            let knot = near.place(at).0;
+            let end = near.knots[knot + 1].min(to);
+            parts.push((knot, [0, 1, 2, 3, 4, 5].map(|part| self.sums[end][part] - self.sums[at][part])));
+            at = end;
+        }
+        parts
+    }
+
+    /// Terms of the travel along the robot's x axis between two stamps.
+    pub(super) fn along_of(&self, near: &Linearised<'_>, from: usize, to: usize) -> Vec<(usize, f64)> {
+        let parts = self.parts(near, from, to);
+        let terms = parts.iter().flat_map(|&(knot, [cos, sin, left_0, left_1, ..])| {
+            let (a, b) = (3 * knot, 3 * knot + 3);
+            [(a, -cos), (b, cos), (a + 1, -sin), (b + 1, sin), (a + 2, left_0), (b + 2, left_1)]
+        });
+        terms.collect()
+    }
+
+    /// Terms of the travel along the robot's y axis between two stamps.
+    pub(super) fn left(&self, near: &Linearised<'_>, from: usize, to: usize) -> Vec<(usize, f64)> {
+        let parts = self.parts(near, from, to);
+        let terms = parts.iter().flat_map(|&(knot, [cos, sin, _, _, along_0, along_1])| {
+            let (a, b) = (3 * knot, 3 * knot + 3);
+            [(a, sin), (b, -sin), (a + 1, -cos), (b + 1, cos), (a + 2, -along_0), (b + 2, -along_1)]
+        });
+        terms.collect()
+    }
+}
