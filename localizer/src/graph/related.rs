@@ -65,8 +65,9 @@ impl Related {
         let mut program = LinearProgram::new(deviations)?;
         let mut labels = Vec::with_capacity(rows.len());
         for (row, span_s) in rows {
-            let terms: Vec<(usize, f64)> =
-                row.terms.iter().map(|&(variable, coefficient)| (index[&variable], coefficient)).collect();
+            let indexed = |&(variable, coefficient): &(Variable, f64)| Some((*index.get(&variable)?, coefficient));
+            // A row of a quantity that the domain does not have says nothing here.
+            let Some(terms) = row.terms.iter().map(indexed).collect::<Option<Vec<(usize, f64)>>>() else { continue };
             program.add_row(&terms, row.sides)?;
             let readings = row.devices.iter().map(|&device| Readings { device, span_s }).collect();
             labels.push(RowLabel { parts: row.parts, readings });

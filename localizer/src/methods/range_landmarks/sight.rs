@@ -193,7 +193,8 @@ impl Relations for Sightings {
     }
 
     fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
-        let is_known = |seen: &Seen| !domain.value(Variable::Landmark(seen.landmark, 0)).is_empty();
+        let is_known =
+            |seen: &Seen| (0..2).all(|axis| !domain.value(Variable::Landmark(seen.landmark, axis)).is_empty());
         let rows = |sighted: &Sighted| {
             let blur_m = self.sensor.own_displacement(sighted.in_view, stray)?;
             let tilted_m = self.sensor.own_displacement(sighted.in_view, &Stray::default())?;
