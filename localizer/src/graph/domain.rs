@@ -226,6 +226,11 @@ impl Domain {
         displaced
     }
 
+    /// Leaves out all quantities but those that the condition holds for.
+    pub fn retain(&mut self, condition: impl Fn(Variable) -> bool) {
+        self.values.retain(|&variable, _| condition(variable));
+    }
+
     /// Interval of a quantity; empty for one that the domain does not have.
     pub fn value(&self, variable: Variable) -> Interval {
         self.values.get(&variable).map_or(Interval::EMPTY, |&(_, value)| value)

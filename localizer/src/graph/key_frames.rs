@@ -1,7 +1,7 @@
 //! Key frames of a drive, and the linear program that relates them.
 
 use std::{
-    collections::{BTreeMap, VecDeque},
+    collections::{BTreeMap, BTreeSet, VecDeque},
     sync::Arc,
 };
 
@@ -206,10 +206,9 @@ impl KeyFrames {
 
     /// The linear program of all key frames. `known` are places of landmarks that follow from other readings.
     pub fn related(&self, known: &[(LandmarkId, Place)]) -> Result<Related, ProgramError> {
-        let domain = self.domain(known);
+        let mut domain = self.domain(known);
         let whole_s = [self.frames.front(), self.frames.back()].map(|frame| frame.map_or(0.0, |frame| frame.stamp_s));
-        let of_constants = self.gyro_rows(&domain).into_iter().chain(self.disc_rows(&domain));
-        let mut rows: Vec<(Row, [f64; 2])> = of_constants.map(|row| (row, whole_s)).collect();
+        let mut rows: Vec<(Row, [f64; 2])> = self.gyro_rows(&domain).into_iter().map(|row| (row, whole_s)).collect();
         let mut before: Option<&KeyFrame> = None;
         for frame in &self.frames {
             if let (Some(before), Some(link)) = (before, &frame.link) {
@@ -220,6 +219,11 @@ impl KeyFrames {
             rows.extend(frame.rows(&domain).into_iter().map(|row| (row, [frame.stamp_s; 2])));
             before = Some(frame);
         }
+        // Quantities that no row names are left out.
+        let named = rows.iter().flat_map(|(row, _)| &row.terms).map(|&(variable, _)| variable);
+        let named: BTreeSet<Variable> = named.collect();
+        rows.extend(self.disc_rows(&named, &domain).into_iter().map(|row| (row, whole_s)));
+        domain.retain(|variable| named.contains(&variable) || matches!(variable, Variable::Pose(..)));
         let labels = self.frames.iter().filter_map(|frame| Some((frame, frame.label?)));
         let boxes = labels.flat_map(|(frame, label)| {
             (0..3).filter(move |&axis| label.axes[axis]).map(move |axis| (Variable::Pose(frame.number, axis), label))
@@ -276,8 +280,9 @@ impl KeyFrames {
         domain
     }
 
-    /// Rows that cut the corners off the square about each disc: with components a and b of length r at most, |a ± b| ≤ √2·r.
-    fn disc_rows(&self, domain: &Domain) -> Vec<Row> {
+    /// Rows that cut the corners off the square about each disc of quantities that other rows name: with components a and b of length r at most,
+    /// |a ± b| ≤ √2·r.
+    fn disc_rows(&self, named: &BTreeSet<Variable>, domain: &Domain) -> Vec<Row> {
         let of_readings = self.frames.iter().flat_map(|frame| {
             let shift = ([0, 1].map(|axis| Variable::Shift(frame.number, axis)), frame.shift_m());
             let shift = Some(shift).filter(|&(_, shift_m)| shift_m > 0.0);
@@ -293,6 +298,7 @@ impl KeyFrames {
                 Row::new(domain, &[(a, Interval::ONE), (b, Interval::point(sign))], sides)
             })
         };
+        discs.retain(|pair, _| pair.iter().all(|variable| named.contains(variable)));
         discs.into_iter().flat_map(cut).collect()
     }
 

@@ -23,6 +23,11 @@ pub trait Relations: Send + Sync {
         Vec::new()
     }
 
+    /// Whether the reading shows things of the map, so that the constraint on the pose alone tells nearly as much as the rows.
+    fn is_of_the_map(&self) -> bool {
+        false
+    }
+
     /// Whether enough is certain of what the reading shows for its rows to be worth a key frame.
     fn is_worth_a_key_frame(&self) -> bool {
         true

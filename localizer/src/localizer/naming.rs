@@ -22,9 +22,9 @@ use super::{Localizer, carrying::contract_union, moves::motion_between, ring::Sl
 const BEFORE_S: f64 = 1.0;
 /// Number of wheel readings after a contradiction that are awaited: with one every 10 ms, half a second, in which a push or a slip mostly ends.
 const AWAITED: usize = 50;
-/// Least time between two poses of the programs that are tried, one after the other. Slip's constant part and quantisation count for each way between
-/// two poses, so that one long way tells most of a motion that lasts, and many short ones tell what each image says.
-const APART_S: [f64; 2] = [f64::INFINITY, 0.25];
+/// Least time between two poses of the programs that are tried, one after the other, until one of them shows a contradiction. Many short ways tell
+/// what each image says. Slip's constant part and quantisation count for each way, so that one long way tells most of a motion that lasts.
+const APART_S: [f64; 2] = [0.25, f64::INFINITY];
 /// Distance and angle from the predicted pose within which a reading's own box of the pose is sought. A robot that is pushed farther is not followed
 /// on floor tiles, which repeat every 0.3 m; and what is not linear in the program grows with the square of the angle.
 const SOUGHT: [f64; 3] = [0.3, 0.3, 0.15];
@@ -188,8 +188,10 @@ impl Localizer {
         let predicted = moved_union(&PoseUnion::single(*before), &motion).hull();
         let sought = IntervalBox::from([0, 1, 2].map(|axis| predicted[axis].inflate(SOUGHT[axis])));
         let constraint = slot.and_then(|slot| slot.constraint.as_ref());
+        // What a reading of things that no map has relates is in its rows; the box that it allows would tell the same again. Of things on the map the
+        // box tells it, under the one bound that is most doubtful.
         let relations = constraint.and_then(|constraint| constraint.relations.clone());
-        // What a reading relates is in its rows; the box that it allows would tell the same again.
+        let relations = relations.filter(|relations| !relations.is_of_the_map());
         let alone = constraint.filter(|_| relations.is_none()).and_then(|constraint| {
             let middle = predicted.midpoint();
             let away = |branch: &PoseBox| {

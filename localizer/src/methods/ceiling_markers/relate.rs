@@ -74,6 +74,10 @@ impl Relations for Dots {
         discs
     }
 
+    fn is_of_the_map(&self) -> bool {
+        true
+    }
+
     fn stamp_error_s(&self) -> f64 {
         self.stamp_error_s
     }

@@ -121,6 +121,10 @@ impl Relations for Joints {
         vec![([0, 1].map(|axis| Variable::BodyTilt(frame, axis)), Joints::body_radius(&self.geometry))]
     }
 
+    fn is_of_the_map(&self) -> bool {
+        true
+    }
+
     fn stamp_error_s(&self) -> f64 {
         self.geometry.camera.stamp_error_s
     }
