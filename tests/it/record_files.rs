@@ -71,6 +71,8 @@ fn a_summary_lists_its_parts_in_the_order_of_the_contract() {
         "baselines",
         "metrics",
         "verdict",
+        "contradictions",
+        "width_by_bound",
         "digest",
     ];
     let listed: Vec<&str> =
