@@ -102,6 +102,15 @@ impl Camera {
     /// All cameras of the robot.
     pub const ALL: [Camera; 3] = [Camera::Floor, Camera::Forward, Camera::Ceiling];
 
+    /// Name of the camera as a device, as in the names of its bounds.
+    pub fn device(self) -> &'static str {
+        match self {
+            Camera::Floor => "floor_camera",
+            Camera::Forward => "forward_camera",
+            Camera::Ceiling => "ceiling_camera",
+        }
+    }
+
     /// Name of the camera in scenes, commands, files and topics.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use interval::Interval;
+use nalgebra::{Rotation3, Vector3};
 
 use crate::{
     motion::WheelHistory,
@@ -54,6 +55,15 @@ impl Draw {
             _ => self.between(values.lo(), values.hi()),
         }
     }
+}
+
+/// A tilt with its Cayley vector, of the greatest angle three times in four.
+pub(crate) fn tilt(draw: &mut Draw, most_rad: f64) -> (Rotation3<f64>, [f64; 2]) {
+    let course = draw.between(-std::f64::consts::PI, std::f64::consts::PI);
+    let angle = draw.within(Interval::new(0.0, most_rad)).max(1e-12);
+    let axis = Vector3::new(course.cos(), course.sin(), 0.0);
+    let length = (0.5 * angle).tan();
+    (Rotation3::new(axis * angle), [length * axis.x, length * axis.y])
 }
 
 /// The range camera of the tests, whose bounds are those that each test puts into its domain.

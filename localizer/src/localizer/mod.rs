@@ -21,7 +21,6 @@ use crate::{
     Constraint, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
     motion::{Agreement, Motion, SlipExcess, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
-    reading::Camera,
 };
 
 pub use account::Account;
@@ -468,9 +467,7 @@ fn device(reading: &Reading, method: &'static str) -> &'static str {
         Reading::Gyro { .. } => "gyro",
         Reading::Flow { .. } => "flow",
         Reading::Range { .. } => "range_camera",
-        Reading::Camera { camera: Camera::Floor, .. } => "floor_camera",
-        Reading::Camera { camera: Camera::Forward, .. } => "forward_camera",
-        Reading::Camera { camera: Camera::Ceiling, .. } => "ceiling_camera",
+        Reading::Camera { camera, .. } => camera.device(),
         Reading::Other { .. } => method,
     }
 }

@@ -17,6 +17,7 @@ use crate::{
     bounds,
     graph::{Constant, SeenPlace, Variable},
     markers::MarkerId,
+    reading::Camera,
     robot::{BodyModel, CeilingCameraModel, cayley_radius},
     vision::distortion,
 };
@@ -120,7 +121,7 @@ impl Optics {
     pub(super) fn place(&self, sight: &Sight, marker: MarkerId, height_m: Interval, turn_rad: f64) -> SeenPlace {
         let column = |parameter: usize| [0, 1].map(|axis| sight.slopes[axis][parameter]);
         let mut place = SeenPlace {
-            device: "ceiling_camera",
+            device: Camera::Ceiling.device(),
             yaw: (Constant::CeilingYaw, self.yaw_rad.mid()),
             middle_m: sight.middle_m,
             terms: Vec::new(),

@@ -135,19 +135,10 @@ mod tests {
     use crate::{
         graph::{
             Constant,
-            trial::{Draw, rounds},
+            trial::{Draw, rounds, tilt},
         },
         markers::MarkerId,
     };
-
-    /// A tilt with its Cayley vector, of the greatest angle three times in four.
-    fn tilt(draw: &mut Draw, most_rad: f64) -> (Rotation3<f64>, [f64; 2]) {
-        let course = draw.between(-PI, PI);
-        let angle = draw.within(Interval::new(0.0, most_rad)).max(1e-12);
-        let axis = Vector3::new(course.cos(), course.sin(), 0.0);
-        let length = (0.5 * angle).tan();
-        (Rotation3::new(axis * angle), [length * axis.x, length * axis.y])
-    }
 
     /// The pixel of a world point, by the camera's model in robot.rs, at focal lengths and a principal point.
     fn pixel(

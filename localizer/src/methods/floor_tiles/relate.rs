@@ -11,6 +11,7 @@ use interval::{Dual, Interval};
 use crate::{
     PoseBox, bounds,
     graph::{Constant, Domain, Relations, Row, SeenPlace, Stray, Variable},
+    reading::Camera,
     robot::cayley_radius,
     vision::line_fit::LineSet,
 };
@@ -216,7 +217,7 @@ fn floor_place(set: &LineSet, along_px: f64, geometry: &Geometry) -> Option<Seen
     });
     let across_mid = crossing.across_px.mid();
     let mut place = SeenPlace {
-        device: "floor_camera",
+        device: Camera::Floor.device(),
         yaw: (Constant::FloorYaw, camera.yaw_rad.mid()),
         middle_m: floor_point(&middles, camera)?.map(|number| number.value),
         terms: Vec::new(),
@@ -287,18 +288,9 @@ mod tests {
         *,
     };
     use crate::{
-        graph::trial::{Draw, rounds},
+        graph::trial::{Draw, rounds, tilt},
         vision::{FloorLine, line_fit},
     };
-
-    /// A tilt with its Cayley vector, of the greatest angle three times in four.
-    fn tilt(draw: &mut Draw, most_rad: f64) -> (Rotation3<f64>, [f64; 2]) {
-        let course = draw.between(-PI, PI);
-        let angle = draw.within(Interval::new(0.0, most_rad)).max(1e-12);
-        let axis = Vector3::new(course.cos(), course.sin(), 0.0);
-        let length = (0.5 * angle).tan();
-        (Rotation3::new(axis * angle), [length * axis.x, length * axis.y])
-    }
 
     #[test]
     fn the_truth_satisfies_the_rows_of_joints_at_the_corners_of_all_bounds() {
