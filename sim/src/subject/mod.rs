@@ -60,16 +60,50 @@ pub enum Answer {
     Boxes(Estimate),
     /// A single pose without bounds, at or near which the robot is; the answer is judged by its error alone.
     Point(Pose),
+    /// A Gaussian distribution of the pose.
+    Gaussian(GaussianPose),
+    /// A weighted sample of poses that stands for the distribution of the pose, as a particle filter keeps it. It is never empty.
+    Samples(Vec<WeightedPose>),
+}
+
+/// A Gaussian distribution of the robot's pose in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussianPose {
+    /// The most probable pose.
+    pub mean: Pose,
+    /// Covariance of x, y and heading, 3 × 3 and symmetric, in m², m·rad and rad². The heading's deviation is the turn of at most half a circle from
+    /// the mean's heading.
+    pub covariance: [[f64; 3]; 3],
+}
+
+/// One pose of a weighted sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedPose {
+    /// The pose in the world.
+    pub pose: Pose,
+    /// Its weight, at least 0; only the ratios of weights matter.
+    pub weight: f64,
 }
 
 impl Answer {
-    /// The answer as an estimate for `time_s`; a point becomes a box without width.
+    /// The answer as an estimate for `time_s`. A point becomes a box without width, and so does the mean of a distribution.
     pub(crate) fn into_estimate(self, time_s: f64) -> Estimate {
         match self {
             Answer::Boxes(estimate) => estimate,
             Answer::Point(pose) => exactly_at(time_s, pose),
+            Answer::Gaussian(gaussian) => exactly_at(time_s, gaussian.mean),
+            Answer::Samples(samples) => exactly_at(time_s, mean_of(&samples)),
         }
     }
+}
+
+/// The weighted mean of a sample of poses. The heading is the direction of the weighted mean of the unit vectors along the headings.
+fn mean_of(samples: &[WeightedPose]) -> Pose {
+    let total: f64 = samples.iter().map(|sample| sample.weight).sum();
+    let mean =
+        |of: fn(&Pose) -> f64| samples.iter().map(|sample| sample.weight * of(&sample.pose)).sum::<f64>() / total;
+    let heading_rad = mean(|pose| pose.heading_rad.sin()).atan2(mean(|pose| pose.heading_rad.cos()));
+    Pose { x_m: mean(|pose| pose.x_m), y_m: mean(|pose| pose.y_m), heading_rad }
 }
 
 /// An estimate that consists of exactly one pose, such as the true one.
