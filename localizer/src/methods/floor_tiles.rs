@@ -11,6 +11,7 @@
 //! All of this holds for the picture of a pinhole with a global shutter. The distortion of the lens is taken out of the image before lines
 //! are looked for, and the errors that lens and row-by-row exposure leave widen the bounds of the lines' points.
 
+mod floor_point;
 mod joint;
 mod normals;
 mod optics;
@@ -70,7 +71,7 @@ pub enum Chain {
 /// Method that bounds the pose by floor joints; the module's page says how.
 #[derive(Clone, Debug)]
 pub struct FloorTiles {
-    geometry: Geometry,
+    geometry: Arc<Geometry>,
     optics: Optics,
     view: FloorView,
     chain: Chain,
@@ -112,7 +113,7 @@ impl FloorTiles {
             q_items: camera.q_items,
         };
         let optics = Optics::of(&camera);
-        let geometry = Geometry { robot: robot.clone(), camera, grid, room_m: map.room_m };
+        let geometry = Arc::new(Geometry { robot: robot.clone(), camera, grid, room_m: map.room_m });
         Some(FloorTiles { geometry, optics, view, chain })
     }
 
@@ -145,7 +146,7 @@ impl FloorTiles {
                 continue;
             }
             let Some(points_px) = self.optics.as_taken(line.points_px, line.share_wrong) else { continue };
-            related.add(&joint, &set, &points);
+            related.add(&joint, set, &points);
             joints.push(joint);
             claims.push(Claim::FloorJoint { points_px, share_wrong: line.share_wrong });
         }

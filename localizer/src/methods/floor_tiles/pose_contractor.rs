@@ -1,5 +1,7 @@
 //! Contractor on the robot's pose, made from all joints of one image of the floor.
 
+use std::sync::Arc;
+
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
 
@@ -12,7 +14,7 @@ use super::{Geometry, joint::Joint};
 /// line of each family.
 pub(super) struct TileJoints {
     joints: Vec<Joint>,
-    geometry: Geometry,
+    geometry: Arc<Geometry>,
     q_items: usize,
 }
 
@@ -24,7 +26,7 @@ struct GridBox {
 }
 
 impl TileJoints {
-    pub(super) fn new(joints: Vec<Joint>, geometry: Geometry, q_items: usize) -> Self {
+    pub(super) fn new(joints: Vec<Joint>, geometry: Arc<Geometry>, q_items: usize) -> Self {
         TileJoints { joints, geometry, q_items }
     }
 

@@ -4,85 +4,73 @@
 //! the floor point that the camera sees there, and the floor point's coordinate along the normal of the joint's family is that of the joint:
 //! E·i + phase + d, with d between the distances by which the joint's two ends are off their nominal places.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use interval::{Dual, Interval};
+use interval::Interval;
 
 use crate::{
-    PoseBox, bounds,
-    graph::{Constant, Domain, Relations, Row, SeenPlace, Stray, Variable},
-    reading::Camera,
-    robot::cayley_radius,
+    PoseBox,
+    graph::{Domain, Relations, Row, SeenPlace, Stray, Variable},
     vision::line_fit::LineSet,
 };
 
 use super::{
-    super::{lean::heading_off_rad, tilt::tilted},
     Geometry,
+    floor_point::{body_radius, floor_place},
     joint::Joint,
 };
 
-/// Number of parameters of a floor point: its pixel, the image scale, the tilts of mount and body, the position of the camera, and the body's heave.
-const N_PARAMETERS: usize = 10;
-const PIXEL: [usize; 2] = [0, 1];
-const SCALE: usize = 2;
-const MOUNT_TILT: [usize; 2] = [3, 4];
-const BODY_TILT: [usize; 2] = [5, 6];
-const POSITION: [usize; 2] = [7, 8];
-const HEAVE: usize = 9;
-
-type Number = Dual<N_PARAMETERS>;
-
-/// The joints of an image as relations.
+/// The joints of an image as relations. Few images become key frames, so that what the lines tell is computed only when one does.
 pub(super) struct Joints {
-    geometry: Geometry,
+    geometry: Arc<Geometry>,
     lines: Vec<Line>,
-    /// For each line, the joint that it is, or `None` where the pose leaves that open: set when the image becomes a key frame.
-    joints: OnceLock<Vec<Option<JointName>>>,
+    /// The lines of which the pose tells which joint they are: set when the image becomes a key frame.
+    named: OnceLock<Vec<NamedJoint>>,
 }
 
-/// A joint: the axis of the tile grid that is its normal, and its number along that axis.
-type JointName = (usize, i64);
-
-/// A line of the image at two of its points.
+/// A fitted line of the image with the least and the greatest coordinate of its points along itself, in pixels.
 struct Line {
     joint: Joint,
+    set: LineSet,
+    along_px: [f64; 2],
+}
+
+/// A joint that the camera sees at two of its points.
+struct NamedJoint {
+    /// The axis of the tile grid that is the joint's normal.
+    axis: usize,
+    /// The joint's number along that axis.
+    number: i64,
     ends: [SeenPlace; 2],
 }
 
 impl Joints {
-    pub(super) fn new(geometry: &Geometry) -> Joints {
-        Joints { geometry: geometry.clone(), lines: Vec::new(), joints: OnceLock::new() }
+    pub(super) fn new(geometry: &Arc<Geometry>) -> Joints {
+        Joints { geometry: geometry.clone(), lines: Vec::new(), named: OnceLock::new() }
     }
 
     /// Adds a fitted line with its points, `[u, v, bound]` in the pinhole's picture.
-    pub(super) fn add(&mut self, joint: &Joint, set: &LineSet, points_px: &[[f64; 3]]) {
+    pub(super) fn add(&mut self, joint: &Joint, set: LineSet, points_px: &[[f64; 3]]) {
         let along_px = points_px.iter().map(|&[u, v, _]| set.along_px([u, v]));
         let (first, last) =
             along_px.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), at| (least.min(at), most.max(at)));
-        let ends = [first, last].map(|at| floor_place(set, at, &self.geometry));
-        if let [Some(first), Some(last)] = ends {
-            self.lines.push(Line { joint: joint.clone(), ends: [first, last] });
-        }
+        self.lines.push(Line { joint: joint.clone(), set, along_px: [first, last] });
     }
 
-    /// Lean of the body within its bound. Under a rolling shutter each row has a posture of its own, for which the bounds of the points account.
-    fn body_radius(geometry: &Geometry) -> f64 {
-        if geometry.camera.row_time_s > 0.0 { 0.0 } else { cayley_radius(geometry.robot.body.tilt_rad) }
-    }
-
-    /// Which joint each line is, for a box of poses.
-    fn name(&self, pose: &PoseBox) -> Vec<Option<JointName>> {
-        let (geometry, frame) = (&self.geometry, 0);
+    /// The lines of which a box of poses tells which joint they are.
+    fn name(&self, pose: &PoseBox) -> Vec<NamedJoint> {
+        let (geometry, frame) = (&*self.geometry, 0);
         let stray = Stray::by_reach(geometry.camera.stamp_error_s, &geometry.robot.reach);
         let mut domain = Domain::of_constants(&geometry.robot);
         domain.put_pose(frame, pose);
         let mut domain = domain.displaced(frame, stray.metres);
-        let tilt = Interval::centred(0.0, Joints::body_radius(geometry));
+        let tilt = Interval::centred(0.0, body_radius(geometry));
         (0..2).for_each(|axis| domain.put(Variable::BodyTilt(frame, axis), tilt));
         let name = |line: &Line| {
             let (first, last) = line.joint.families(pose[2], geometry);
             let axis = (first == last).then(|| first.rem_euclid(2) as usize)?;
+            let ends = line.along_px.map(|at_px| floor_place(&line.set, at_px, geometry));
+            let [Some(first_end), Some(last_end)] = ends else { return None };
             let number = |end: &SeenPlace| {
                 let along_m = end.at(frame, &stray, &domain).along(geometry.normal(axis));
                 let grid = &geometry.grid;
@@ -90,15 +78,10 @@ impl Joints {
                 let (least, most) = (number.lo().ceil(), number.hi().floor());
                 (least == most && least.abs() < MOST_NUMBER).then_some(least as i64)
             };
-            let [first, last] = [number(&line.ends[0])?, number(&line.ends[1])?];
-            (first == last).then_some((axis, first))
+            let [first, last] = [number(&first_end)?, number(&last_end)?];
+            (first == last).then_some(NamedJoint { axis, number: first, ends: [first_end, last_end] })
         };
-        self.lines.iter().map(name).collect()
-    }
-
-    fn named(&self) -> impl Iterator<Item = (&Line, JointName)> {
-        let names = self.joints.get().into_iter().flatten();
-        self.lines.iter().zip(names).filter_map(|(line, name)| Some((line, (*name)?)))
+        self.lines.iter().filter_map(name).collect()
     }
 }
 
@@ -107,11 +90,11 @@ const MOST_NUMBER: f64 = 1e9;
 
 impl Relations for Joints {
     fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
-        self.joints.get_or_init(|| self.name(pose));
-        let tilt = Interval::centred(0.0, Joints::body_radius(&self.geometry));
+        let named = self.named.get_or_init(|| self.name(pose));
+        let tilt = Interval::centred(0.0, body_radius(&self.geometry));
         let mut quantities: Vec<(Variable, Interval)> =
             (0..2).map(|axis| (Variable::BodyTilt(frame, axis), tilt)).collect();
-        for (_, (axis, number)) in self.named() {
+        for &NamedJoint { axis, number, .. } in named {
             let off = Interval::centred(0.0, self.geometry.end_off_m(axis));
             quantities.extend([0, 1].map(|end| (Variable::JointEnd(axis, number, end), off)));
         }
@@ -119,7 +102,7 @@ impl Relations for Joints {
     }
 
     fn discs(&self, frame: usize) -> Vec<crate::graph::Disc> {
-        vec![([0, 1].map(|axis| Variable::BodyTilt(frame, axis)), Joints::body_radius(&self.geometry))]
+        vec![([0, 1].map(|axis| Variable::BodyTilt(frame, axis)), body_radius(&self.geometry))]
     }
 
     fn is_of_the_map(&self) -> bool {
@@ -137,10 +120,10 @@ impl Relations for Joints {
     fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
         let grid = &self.geometry.grid;
         let mut rows = Vec::new();
-        for (line, (axis, number)) in self.named() {
+        for &NamedJoint { axis, number, ref ends } in self.named.get().into_iter().flatten() {
             let normal = self.geometry.normal(axis);
             let place_m = Interval::point(grid.edge_m[axis]) * (number as f64) + grid.phase_m[axis];
-            for end in &line.ends {
+            for end in ends {
                 let seen = end.at(frame, stray, domain);
                 // Share of the way from the joint's first end to its last one at which the point lies.
                 let share = self.geometry.share_of_joint(axis, seen.along(self.geometry.normal(1 - axis)));
@@ -183,96 +166,6 @@ impl Geometry {
     }
 }
 
-/// The floor point at which the lines that fit cross a normal of the line, as a function of the constants of the camera and the lean of the body. `None`
-/// where the camera may see the horizon.
-fn floor_place(set: &LineSet, along_px: f64, geometry: &Geometry) -> Option<SeenPlace> {
-    let (camera, body) = (&geometry.camera, &geometry.robot.body);
-    let crossing = set.crossing(along_px);
-    let [forward_px, left_px] = geometry.in_camera_px(crossing.at_px);
-    // Forward is up and left is left in the picture, whose axes point right and down.
-    let normal = [-crossing.normal[1], -crossing.normal[0]];
-    let pixel = [forward_px, left_px].map(Interval::point);
-    let pixel = [0, 1].map(|axis| pixel[axis] + Interval::point(normal[axis]) * crossing.across_px);
-    let error = camera.yaw_rad - Interval::point(camera.yaw_rad.mid());
-    let (cos, sin) = (error.cos(), error.sin());
-    let [forward, left] = camera.position_m;
-    let is_rolling = camera.row_time_s > 0.0;
-    let (body_radius, heave_m) = (Joints::body_radius(geometry), if is_rolling { 0.0 } else { body.heave_m });
-    let mut parameters = [Interval::ZERO; N_PARAMETERS];
-    for axis in 0..2 {
-        parameters[PIXEL[axis]] = pixel[axis];
-        parameters[MOUNT_TILT[axis]] = Interval::centred(0.0, cayley_radius(camera.tilt_rad));
-        parameters[BODY_TILT[axis]] = Interval::centred(0.0, body_radius);
-    }
-    parameters[SCALE] = camera.pixels_per_m;
-    parameters[POSITION[0]] = forward * cos + left * sin;
-    parameters[POSITION[1]] = left * cos - forward * sin;
-    parameters[HEAVE] = Interval::centred(0.0, heave_m);
-    let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
-    let slopes = floor_point(&parameters, camera)?.map(|number| number.slopes);
-    let column = |parameter: usize| [0, 1].map(|axis| slopes[axis][parameter]);
-    let across = [0, 1].map(|axis| {
-        let by_pixel = PIXEL.map(|parameter| slopes[axis][parameter]);
-        by_pixel[0] * normal[0] + by_pixel[1] * normal[1]
-    });
-    let across_mid = crossing.across_px.mid();
-    let mut place = SeenPlace {
-        device: Camera::Floor.device(),
-        yaw: (Constant::FloorYaw, camera.yaw_rad.mid()),
-        middle_m: floor_point(&middles, camera)?.map(|number| number.value),
-        terms: Vec::new(),
-        noise_m: vec![
-            (across, crossing.across_px - across_mid, None),
-            (column(HEAVE), parameters[HEAVE], Some(bounds::BODY_HEAVE)),
-            // What rounding moves the middle of the pixel off the line's point.
-            (column(PIXEL[0]), Interval::centred(0.0, ROUNDING_PX), None),
-            (column(PIXEL[1]), Interval::centred(0.0, ROUNDING_PX), None),
-        ],
-        turn_rad: heading_off_rad(body_radius_rad(geometry)),
-    };
-    let mut depends = |parameter: usize, variable: Variable| {
-        place.terms.push((variable, parameters[parameter].mid(), column(parameter)));
-    };
-    depends(SCALE, Variable::Constant(Constant::FloorScale));
-    for axis in 0..2 {
-        depends(MOUNT_TILT[axis], Variable::Constant(Constant::FloorTilt(axis)));
-        depends(BODY_TILT[axis], Variable::BodyTilt(0, axis));
-    }
-    let at_m = POSITION.map(|parameter| parameters[parameter].mid());
-    let position = [0, 1].map(Constant::FloorPosition);
-    place.mounted(position, camera.position_m, camera.yaw_rad, (at_m, POSITION.map(column)));
-    Some(place)
-}
-
-/// Bound on rounding errors of places in the picture, whose coordinates are below 10⁵ px.
-const ROUNDING_PX: f64 = 1e-9;
-
-/// Greatest lean of the body for which the bounds of the points do not account.
-fn body_radius_rad(geometry: &Geometry) -> f64 {
-    if geometry.camera.row_time_s > 0.0 { 0.0 } else { geometry.robot.body.tilt_rad }
-}
-
-/// Floor point that a pixel shows: c + d·(c_up + heave)/(−d_up), with c = T(body)·m′ the optical centre and d = T(body)·Rz(yaw)·T(mount)·(q/f, −1) the
-/// ray of the pixel q, given forward and left.
-fn floor_point(parameters: &[Interval; N_PARAMETERS], camera: &crate::robot::FloorCameraModel) -> Option<[Number; 2]> {
-    let number = |index: usize| Number::parameter(index, parameters[index]);
-    let height = Number::constant(Interval::point(camera.height_m));
-    let focal = number(SCALE) * height;
-    let ray = [number(PIXEL[0]) / focal, number(PIXEL[1]) / focal, Number::constant(-Interval::ONE)];
-    let mounted = tilted(ray, MOUNT_TILT.map(number));
-    let yaw = Interval::point(camera.yaw_rad.mid());
-    let [cos, sin] = [yaw.cos(), yaw.sin()].map(Number::constant);
-    let turned = [mounted[0] * cos - mounted[1] * sin, mounted[0] * sin + mounted[1] * cos, mounted[2]];
-    let body = BODY_TILT.map(number);
-    let ray = tilted(turned, body);
-    let centre = tilted([number(POSITION[0]), number(POSITION[1]), height], body);
-    if ray[2].value.hi() > -0.05 {
-        return None;
-    }
-    let length = (centre[2] + number(HEAVE)) / -ray[2];
-    Some([centre[0] + ray[0] * length, centre[1] + ray[1] * length])
-}
-
 #[cfg(test)]
 #[allow(clippy::expect_used)]
 mod tests {
@@ -288,7 +181,10 @@ mod tests {
         *,
     };
     use crate::{
-        graph::trial::{Draw, rounds, tilt},
+        graph::{
+            Constant,
+            trial::{Draw, rounds, tilt},
+        },
         vision::{FloorLine, line_fit},
     };
 
@@ -304,7 +200,7 @@ mod tests {
                 camera.tilt_rad = draw.or_zero(0.005);
                 camera.yaw_rad = Interval::centred(0.1, draw.or_zero(0.005));
             }
-            let mut geometry = method(&robot, Chain::Direct).geometry;
+            let mut geometry = (*method(&robot, Chain::Direct).geometry).clone();
             geometry.grid.laying_m = draw.or_zero(0.003);
             geometry.grid.rotation_rad = draw.or_zero(0.4);
             geometry.grid.laying_angle_rad = geometry.grid.laying_m / 10.0;
@@ -370,8 +266,8 @@ mod tests {
             let line = FloorLine { points_px: points.clone(), share_wrong: 0.0, family: 0 };
             let Some(set) = line_fit::enclose(&points, 0.0) else { continue };
             let Some(joint) = Joint::new(set.clone(), &line, 0.0, &geometry) else { continue };
-            let mut joints = Joints::new(&geometry);
-            joints.add(&joint, &set, &points);
+            let mut joints = Joints::new(&Arc::new(geometry.clone()));
+            joints.add(&joint, set, &points);
 
             let mut domain = Domain::of_constants(&robot);
             for (axis, half) in [(0, 0.01), (1, 0.02), (2, 0.02)] {
