@@ -13,7 +13,7 @@ help:
 	@echo "make demo          run the main scene and show its results and pictures"
 	@echo "make test          run all tests"
 	@echo "make lint          formatting, clippy and documentation, warnings refused"
-	@echo "make bench         measure speed"
+	@echo "make bench         measure speed, and memory over a drive of 100 000 steps"
 	@echo "make bench-render  render a room, and a like one with MuJoCo where Python has it"
 	@echo "make photon-transfer  analyse the sensor by the package emva1288 where Python has it; PYTHON=…"
 	@echo "make readers       let programs of others read what runs leave, where Python has them; PYTHON=…"
@@ -45,6 +45,7 @@ bench: driver
 	cargo bench --profile dev -p wherein-localizer --bench p3p
 	cargo bench --profile dev -p wherein-localizer --bench rigid_motion
 	cargo bench --profile dev -p wherein-tests --bench speed
+	cargo bench --profile dev -p wherein-tests --bench endurance
 
 bench-render: driver
 	cargo bench --profile dev -p wherein-tests --bench speed -- views | tee target/bench_render.txt

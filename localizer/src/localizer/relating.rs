@@ -10,7 +10,7 @@ use interval::IntervalBox;
 
 use crate::{
     PoseUnion, RobotModel,
-    graph::{Hull, KeyFrames, Place, Relations, Stray, Variable, WidthParts},
+    graph::{Hull, KeyFrames, Place, Related, Relations, Stray, Variable, WidthParts},
     reading::LandmarkId,
 };
 
@@ -53,12 +53,14 @@ pub struct PoseWidth {
     pub heading_rad: WidthParts,
 }
 
-/// Work on the linear program of the latest key frame.
-struct Work {
-    /// Number of wheel readings since the key frame was taken in.
-    n_steps: usize,
-    /// The bounds so far; `None` before the program is made.
-    hull: Option<Hull>,
+/// Work on the linear program of the latest key frame: each stage is entered at a wheel reading of its own, so that no reading takes long.
+enum Work {
+    /// Readings of the key frame's instant are awaited: the number of wheel readings since the key frame was taken in.
+    Awaiting(usize),
+    /// The program is made, and not prepared for its solver yet.
+    Made(Related),
+    /// The program is being solved: the bounds so far.
+    Solving(Box<Hull>),
 }
 
 impl Graph {
@@ -83,17 +85,12 @@ impl Graph {
         self.frames.latest_s().is_none_or(|latest_s| stamp_s >= latest_s + wait_s - 0.5 * SLACK_S)
     }
 
-    /// Makes the program for bounds of the latest key frame's pose. `known` are places of landmarks that the methods have learnt.
-    fn begin(&mut self, known: &[(LandmarkId, Place)]) {
+    /// The quantities whose bounds are wanted: the latest key frame's pose, and the heading of an older one.
+    fn wanted(&self) -> Vec<Variable> {
         let number = self.frames.latest_number();
         let older = self.frames.number_before_latest(SMOOTHED);
         let pose = (0..3).map(|axis| Variable::Pose(number, axis));
-        let wanted = pose.chain(older.map(|number| Variable::Pose(number, 2))).collect();
-        let hull = self.frames.related(known).ok().map(|related| Hull::new(related, wanted));
-        match (&mut self.work, hull) {
-            (Some(work), Some(hull)) => work.hull = Some(hull),
-            _ => self.work = None,
-        }
+        pose.chain(older.map(|number| Variable::Pose(number, 2))).collect()
     }
 }
 
@@ -117,28 +114,32 @@ impl Localizer {
         let stray = Stray::by_reach(stamp_error_s, &self.robot.reach);
         self.graph.frames.push(stamp_s, pose, stray, relations);
         self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
-        self.graph.work = Some(Work { n_steps: 0, hull: None });
+        self.graph.work = Some(Work::Awaiting(0));
     }
 
     /// Goes on with the work on the latest key frame's program: a fixed part of it at each wheel reading.
     pub(super) fn work_on_graph(&mut self) {
-        let Some(work) = &mut self.graph.work else { return };
-        work.n_steps += 1;
-        if work.n_steps < AWAITED {
-            return;
-        }
-        if work.hull.is_none() {
-            self.learn_way();
-            self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
-            let known: Vec<_> = self.methods.iter().flat_map(|method| method.landmarks()).collect();
-            self.graph.begin(&known);
-            return;
-        }
-        if work.hull.as_mut().is_some_and(Hull::advance)
-            && let Some(Work { hull: Some(hull), .. }) = self.graph.work.take()
-        {
-            self.apply(hull);
-        }
+        let Some(work) = self.graph.work.take() else { return };
+        self.graph.work = match work {
+            Work::Awaiting(n_readings) if n_readings + 1 < AWAITED => Some(Work::Awaiting(n_readings + 1)),
+            Work::Awaiting(_) => self.related().map(Work::Made),
+            Work::Made(related) => Some(Work::Solving(Box::new(Hull::new(related, self.graph.wanted())))),
+            Work::Solving(mut hull) => {
+                if hull.advance() {
+                    self.apply(*hull);
+                    return;
+                }
+                Some(Work::Solving(hull))
+            }
+        };
+    }
+
+    /// The program of all key frames, with what has been read and learnt by now; `None` where a quantity of it is not bounded.
+    fn related(&mut self) -> Option<Related> {
+        self.learn_way();
+        self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
+        let known: Vec<(LandmarkId, Place)> = self.methods.iter().flat_map(|method| method.landmarks()).collect();
+        self.graph.frames.related(&known).ok()
     }
 
     /// Computes, from the readings that have arrived, the way to the latest key frame, and how far the robot can have gone within the error of its
