@@ -1,5 +1,6 @@
 //! The interface of a localization method: from one sensor reading it makes one constraint on the robot's pose, with claims, which are checkable
-//! assertions of what it saw.
+//! assertions of what it saw. The localizer carries the constraint to the present, weighs it when readings contradict each other, and tells the method
+//! what to forget.
 
 use std::sync::Arc;
 
@@ -16,29 +17,61 @@ use crate::{
 };
 
 /// A localization method for one cue, such as floor joints or ceiling markers: it evaluates each reading of its sensor once and returns a constraint
-/// on the pose.
+/// on the pose. A method that keeps something from one reading to the next has a [`Memory`] as well.
 pub trait Method: Send {
     /// The method's name in scenes, summaries and tables.
     fn name(&self) -> &'static str;
-
-    /// Whether the method's constraints restrict the heading alone, at any x and y.
-    fn tells_heading_only(&self) -> bool {
-        false
-    }
 
     /// Whether the method uses readings of the given reading's kind.
     fn reads(&self, reading: &Reading) -> bool;
 
     /// A constraint on the pose at the reading's stamp, or `None` when the reading does not show the method's cue.
-    ///
-    /// `prior` encloses the pose at the stamp as known without this reading; `twist` is the body's velocity at the stamp.
-    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint>;
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint>;
 
-    /// Carries what the method keeps from earlier readings to the stamp of the next one; called before [`constrain`](Self::constrain). `_motion`
-    /// gives the robot's motion between two recent stamps. After a contradiction has shown that some assumption failed, the wheels are doubted until
-    /// it is known which: for spans during that doubt, and for spans that began before its end, the motion comes from the robot's limits of speed and
-    /// turn rate.
-    fn carry_to(&mut self, _stamp_s: f64, _motion: MotionBetween) {}
+    /// What the method keeps from one reading to the next; `None` for a method that evaluates each reading by itself.
+    fn memory(&self) -> Option<&dyn Memory> {
+        None
+    }
+
+    /// The same as [`memory`](Self::memory), to be changed.
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        None
+    }
+}
+
+/// What the localizer knows at a reading's stamp without the reading.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    /// Poses of the robot at the reading's stamp.
+    pub prior: &'a PoseUnion,
+    /// Velocity of the body at the reading's stamp.
+    pub twist: &'a Twist,
+    /// The robot's motion between two recent stamps. After a contradiction has shown that some assumption failed, the wheels are doubted until it is
+    /// known which: for spans during that doubt, and for spans that began before its end, the motion comes from the robot's limits of speed and turn
+    /// rate.
+    pub motion: MotionBetween<'a>,
+}
+
+impl<'a> Context<'a> {
+    /// The context of a robot at rest of whose motion before nothing is remembered.
+    pub fn at_rest(prior: &'a PoseUnion) -> Context<'a> {
+        const REST: Twist = Twist { forward_m_per_s: 0.0, turn_rad_per_s: 0.0 };
+        Context { prior, twist: &REST, motion: &|_, _| None }
+    }
+}
+
+/// Function that gives the robot's motion from one stamp to a later one, in the frame of the robot at the first stamp; `None` where the remembered
+/// motion readings do not cover the span between the stamps.
+pub type MotionBetween<'a> = &'a dyn Fn(f64, f64) -> Option<Motion>;
+
+/// What a method keeps from one reading to the next, such as earlier images, or landmarks that it has learnt.
+pub trait Memory {
+    /// Forgets everything that was read or learnt from readings stamped later than `since_s`, because an assumption has failed and may have been false
+    /// since then.
+    fn forget_since(&mut self, since_s: f64);
+
+    /// Notes that a new drive begins, with the clock set back to 0. What was learnt before is kept and can no longer be unlearnt.
+    fn clock_set_back(&mut self);
 
     /// Learns what outlasts one reading, such as the positions of landmarks, from the reading that was constrained last. `_posterior` encloses the
     /// pose at its stamp, with the reading's constraint applied. `_motion` gives the robot's motion between two recent stamps, or `None` if the first
@@ -47,34 +80,26 @@ pub trait Method: Send {
     /// Not called while an assumption is doubted.
     fn learn(&mut self, _posterior: &PoseUnion, _motion: MotionBetween) {}
 
-    /// Unlearns everything that was learnt from readings stamped later than `since_s`, because an assumption has failed and may have been false since
-    /// then.
-    fn forget_since(&mut self, _since_s: f64) {}
-
     /// Whether something that the method read or learnt since the last call contradicts what the method knew before, which means that an
     /// assumption failed, perhaps some time ago. Called after each reading. A contradicting reading leaves what the method knows unchanged.
     fn take_contradiction(&mut self) -> bool {
         false
     }
 
-    /// The contractor of a recent reading, computed again from what the method has learnt by the time of the call; `None` if the method's constraints
+    /// The contractor of a recent reading, computed again from what has been learnt by the time of the call; `None` if the method's constraints
     /// depend on nothing learnt, or if it does not remember the reading.
-    fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
+    fn on_pose_again(&self, _stamp_s: f64) -> Option<OnPose> {
         None
     }
 
-    /// Notifies the method that a new drive begins, with the clock set back to 0. What was learnt before is kept and can no longer be unlearnt.
-    fn clock_set_back(&mut self) {}
-
-    /// Landmarks that the method has learnt: code, and box of world x and y.
+    /// Landmarks that have been learnt: code, and box of world x and y.
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
         Vec::new()
     }
 }
 
-/// Function that gives the robot's motion from one stamp to a later one, in the frame of the robot at the first stamp; `None` where the remembered
-/// motion readings do not cover the span between the stamps.
-pub type MotionBetween<'a> = &'a dyn Fn(f64, f64) -> Option<Motion>;
+/// Contractor on boxes of poses: x, y and heading.
+pub type OnPose = Box<dyn Contractor<3> + Send + Sync>;
 
 /// Constraint that one reading puts on the pose at its stamp.
 pub struct Constraint {
@@ -83,10 +108,12 @@ pub struct Constraint {
     /// The stamp at which the constraint on the pose holds.
     pub stamp_s: f64,
     /// Contractor that removes, from a box of poses at the constraint's stamp, poses that the constraint rules out.
-    pub on_pose: Box<dyn Contractor<3> + Send + Sync>,
+    pub on_pose: OnPose,
     /// Contractor from this reading alone. Present where `on_pose` also uses earlier readings, which were carried to the stamp by the robot's motion
     /// in between: under a hypothesis that this motion was wrong, only this part is used.
-    pub by_itself: Option<Box<dyn Contractor<3> + Send + Sync>>,
+    pub by_itself: Option<OnPose>,
+    /// Whether the constraint restricts the heading alone, at any x and y.
+    pub heading_only: bool,
     /// The declared bounds that the constraint relies on.
     pub relies_on: Vec<Assumption>,
     /// Claims, which are assertions of what the method saw in the reading; the simulator checks them against the truth.
@@ -103,6 +130,27 @@ pub struct Constraint {
     pub alone_heading_rad: Option<Interval>,
     /// What the reading relates, for the graph of key frames; `None` where the method relates nothing, or cannot be sure that no item is wrong.
     pub relations: Option<Arc<dyn Relations>>,
+}
+
+impl Constraint {
+    /// A constraint of one reading that makes no claims, relies on no declared bound, and relates nothing. It counts as evidence when a doubt is to be
+    /// ended.
+    pub fn new(method: &'static str, stamp_s: f64, on_pose: impl Contractor<3> + Send + Sync + 'static) -> Constraint {
+        Constraint {
+            method,
+            stamp_s,
+            on_pose: Box::new(on_pose),
+            by_itself: None,
+            heading_only: false,
+            relies_on: Vec::new(),
+            claims: Vec::new(),
+            quota: Quota::of_each(0),
+            decides: true,
+            rejected_px: Vec::new(),
+            alone_heading_rad: None,
+            relations: None,
+        }
+    }
 }
 
 /// An assertion by a method about what it saw. The simulator projects the true object with its own camera model and so knows whether the claim is

@@ -10,8 +10,6 @@ pub struct Quota {
     /// Greatest number of the reading's claims about upright edges that may be false. If more of them are false, the lean of robot and camera that
     /// was found from the upright edges is wrong, and no claim of the reading counts as true.
     pub upright: usize,
-    /// Number of latest readings of the method whose false claims are counted together, this reading included.
-    pub n_held: usize,
     /// Rule by which the false claims of the readings that are counted together are counted.
     pub counting: Counting,
 }
@@ -21,11 +19,18 @@ pub struct Quota {
 pub enum Counting {
     /// The false claims of each reading are counted by themselves.
     Alone,
-    /// Of the readings that are counted together, at most this many may have more false claims than their own quota `items`.
-    Readings(usize),
-    /// The claims of all readings that are counted together form one set, without the claims about upright edges. Of this set, a share of `share` and
-    /// in addition `more` claims may be false, and they may come from at most `readings` of the readings.
+    /// Of the method's latest readings, at most some may have more false claims than their own quota `items`.
+    Readings {
+        /// Number of the latest readings that are counted together, the present one included.
+        of: usize,
+        /// Greatest number of them that may have more false claims than their own quota.
+        most: usize,
+    },
+    /// The claims of the method's latest readings form one set, without the claims about upright edges. Of this set, a share of `share` and in
+    /// addition `more` claims may be false, and they may come from at most `readings` of the readings.
     Together {
+        /// Number of the latest readings that are counted together, the present one included.
+        of: usize,
         /// Share of the claims of all readings counted together that may be false.
         share: f64,
         /// Number of claims, of all readings counted together, that may be false in addition to the share.
@@ -38,7 +43,7 @@ pub enum Counting {
 impl Quota {
     /// The quota for a method that makes at most `items` false claims for each reading; every reading is counted by itself.
     pub fn of_each(items: usize) -> Quota {
-        Quota { items, upright: 0, n_held: 1, counting: Counting::Alone }
+        Quota { items, upright: 0, counting: Counting::Alone }
     }
 }
 

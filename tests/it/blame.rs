@@ -337,7 +337,7 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
 /// `items` false claims, none of them about an upright edge; `counting` says how its claims are counted together with those of all images before it.
 fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting: Counting) {
     let image = image(record, Vec::new());
-    let quota = Quota { items, upright: 0, n_held: record.images.len() + 1, counting };
+    let quota = Quota { items, upright: 0, counting };
     let (camera, alone_heading_rad) = (Some(Camera::Forward), Some(Interval::ZERO));
     record.images.push(ImageRecord { camera, method: "wall_directions", claims, quota, alone_heading_rad, ..image });
 }
@@ -352,7 +352,8 @@ fn two_misread_images_of_walls_are_declared_and_a_third_is_perceptions_fault() {
     let scene = scene();
     for (n_misread, blamed) in [(2, [50, 0, 0, 51]), (3, [50, 0, 51, 0])] {
         let mut record = record(&scene);
-        (0..n_misread).for_each(|_| with_wall(&mut record, vec![false_edge()], 0, Counting::Readings(2)));
+        (0..n_misread)
+            .for_each(|_| with_wall(&mut record, vec![false_edge()], 0, Counting::Readings { of: 10, most: 2 }));
         lose_the_truth(&mut record);
         assert_eq!(
             counts(&judged(&scene, &record, |changes| told(changes) == ["withheld"]).0),
@@ -365,7 +366,7 @@ fn two_misread_images_of_walls_are_declared_and_a_third_is_perceptions_fault() {
 #[test]
 fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
     let scene = scene();
-    let counting = Counting::Together { share: 1.0 / 6.0, more: 5, readings: 14 };
+    let counting = Counting::Together { of: 20, share: 1.0 / 6.0, more: 5, readings: 14 };
     let upright = Claim::UprightLine { ends_px: [[100.0, 100.0], [110.0, 300.0]], bound_px: 0.3 };
     // Computed by hand: of the claims about six wall edges 6/6 + 5 = 6 may be false, and of seven also 6. Claims about upright edges are left out of
     // this count; but if one of them is false, all other claims of its image count as false, which are six again in the third case.

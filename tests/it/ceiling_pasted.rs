@@ -6,9 +6,8 @@ use localizer::{
     Pose, PoseBox, PoseUnion, Reading,
     map::MarkerMap,
     markers::{GridPlace, MarkerId, dot_in_marker_m},
-    method::{Claim, Method},
+    method::{Claim, Context, Method},
     methods::ceiling_markers::CeilingMarkers,
-    motion::Twist,
     reading::Camera,
     vision::ceiling::{self, CeilingView, PictureMotion, SeenMarker},
 };
@@ -119,7 +118,7 @@ fn the_pose_read_from_a_rendered_ceiling_holds_the_truth() {
             Interval::centred(pose.heading_rad + 0.1, 0.3),
         ]);
         let mut method = CeilingMarkers::new(&map, &robot).unwrap();
-        let constraint = method.constrain(&reading, &PoseUnion::single(box_), &Twist::default()).unwrap();
+        let constraint = method.constrain(&reading, &Context::at_rest(&PoseUnion::single(box_))).unwrap();
         for _ in 0..3 {
             constraint.on_pose.contract(&mut box_);
         }

@@ -9,14 +9,13 @@ use localizer::{
     Constraint, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Reading,
     graph::{Disc, Domain, Relations, Row, Stray, Variable},
     localizer::Account,
-    method::MotionBetween,
+    method::{Context, Memory, MotionBetween, OnPose},
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
         wall_directions::{self, WallDirections},
     },
-    motion::Twist,
     reading::LandmarkId,
 };
 use sim::{
@@ -108,7 +107,7 @@ pub(crate) struct TooSmall {
     pub(crate) relates: bool,
 }
 
-struct TooSmallOnPose(Box<dyn Contractor<3> + Send + Sync>);
+struct TooSmallOnPose(OnPose);
 
 impl Contractor<3> for TooSmallOnPose {
     fn contract(&self, domain: &mut PoseBox) -> Outcome {
@@ -163,16 +162,12 @@ impl Method for TooSmall {
         self.method.name()
     }
 
-    fn tells_heading_only(&self) -> bool {
-        self.method.tells_heading_only()
-    }
-
     fn reads(&self, reading: &Reading) -> bool {
         self.method.reads(reading)
     }
 
-    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
-        let constraint = self.method.constrain(reading, prior, twist)?;
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
+        let constraint = self.method.constrain(reading, context)?;
         let by_itself = constraint.by_itself.map(|on_pose| Box::new(TooSmallOnPose(on_pose)) as Box<_>);
         let relations = constraint
             .relations
@@ -181,28 +176,38 @@ impl Method for TooSmall {
         Some(Constraint { on_pose: Box::new(TooSmallOnPose(constraint.on_pose)), by_itself, relations, ..constraint })
     }
 
-    fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween<'_>) {
-        self.method.carry_to(stamp_s, motion);
+    fn memory(&self) -> Option<&dyn Memory> {
+        self.method.memory().map(|_| self as &dyn Memory)
     }
 
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        self.method.memory().is_some().then_some(self as &mut dyn Memory)
+    }
+}
+
+impl Memory for TooSmall {
     fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween<'_>) {
-        self.method.learn(posterior, motion);
+        self.method.memory_mut().into_iter().for_each(|memory| memory.learn(posterior, motion));
     }
 
     fn forget_since(&mut self, since_s: f64) {
-        self.method.forget_since(since_s);
+        self.method.memory_mut().into_iter().for_each(|memory| memory.forget_since(since_s));
+    }
+
+    fn clock_set_back(&mut self) {
+        self.method.memory_mut().into_iter().for_each(|memory| memory.clock_set_back());
     }
 
     fn take_contradiction(&mut self) -> bool {
-        self.method.take_contradiction()
+        self.method.memory_mut().is_some_and(|memory| memory.take_contradiction())
     }
 
-    fn renewed(&self, stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
-        self.method.renewed(stamp_s).map(|on_pose| Box::new(TooSmallOnPose(on_pose)) as Box<_>)
+    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
+        Some(Box::new(TooSmallOnPose(self.method.memory()?.on_pose_again(stamp_s)?)))
     }
 
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
-        self.method.landmarks()
+        self.method.memory().map_or_else(Vec::new, |memory| memory.landmarks())
     }
 }
 

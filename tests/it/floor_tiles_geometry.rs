@@ -4,6 +4,7 @@ use interval::Interval;
 use localizer::{
     Map, Method, PoseBox, PoseUnion, RobotModel,
     map::TileGrid,
+    method::Context,
     methods::floor_tiles::{Chain, FloorTiles},
     robot::{BodyModel, FloorCameraModel, Reach, WheelModel},
     vision::{FloorLine, FloorLines},
@@ -290,5 +291,5 @@ fn the_method_reads_floor_images_only() {
     let mut method = situation(&mut rng, false, SMALL).method();
     let wheels = localizer::Reading::Wheels { measured_s: 0.0, arrived_s: 0.0, ticks: [0, 0] };
     let twist = localizer::motion::Twist::default();
-    assert!(method.constrain(&wheels, &PoseUnion::default(), &twist).is_none());
+    assert!(method.constrain(&wheels, &Context { twist: &twist, ..Context::at_rest(&PoseUnion::default()) }).is_none());
 }

@@ -4,8 +4,8 @@
 use interval::Interval;
 use localizer::{
     Method, Pose, PoseBox, PoseUnion, Reading, Status, bounds,
+    method::Context,
     methods::gnss_positions::{GnssPositions, Position},
-    motion::Twist,
     robot::RobotModel,
 };
 use nalgebra::{Rotation2, Vector2};
@@ -126,7 +126,7 @@ fn floating_positions_within_five_seconds_of_each_other_end_no_doubt_together() 
     let prior = PoseUnion::single(PoseBox::from([Interval::new(0.0, 12.0), Interval::new(0.0, 8.0), Interval::ZERO]));
     let mut decides = |stamp_s: f64, is_fixed: bool| {
         let reading = at_stamp(stamp_s, Position { at_m: [6.0, 4.0], is_fixed });
-        method.constrain(&reading, &prior, &Twist::default()).unwrap().decides
+        method.constrain(&reading, &Context::at_rest(&prior)).unwrap().decides
     };
     assert!(decides(0.0, false) && !decides(0.1, false) && !decides(4.9, false) && decides(5.1, false));
     assert!(!decides(5.2, false) && decides(5.3, true) && decides(5.4, true) && !decides(9.9, false));
@@ -173,7 +173,7 @@ fn no_pose_that_keeps_every_bound_is_lost() {
             Interval::centred(pose.y_m + within(0.5), 0.501),
             Interval::centred(heading_rad + within(0.3), 0.301),
         ]);
-        let constraint = method.constrain(&reading, &PoseUnion::single(prior), &Twist::default()).unwrap();
+        let constraint = method.constrain(&reading, &Context::at_rest(&PoseUnion::single(prior))).unwrap();
         let grade = if is_fixed { bounds::GNSS_FIXED } else { bounds::GNSS_FLOATING };
         assert!(constraint.relies_on.contains(&grade) && constraint.relies_on.contains(&bounds::BODY_TILT));
         let mut domain = prior;
@@ -218,14 +218,15 @@ fn positions_held_and_carried_by_the_motion_since_tell_the_heading_and_lose_no_t
             let lever = Rotation2::new(pose.heading_rad) * Vector2::new(-0.15, 0.1);
             let mut off_m = || 0.01 * [-1.0, 1.0][rng.random_range(0..2)];
             let told = Position { at_m: [pose.x_m + lever.x + off_m(), pose.y_m + lever.y + off_m()], is_fixed: true };
-            method.carry_to(index as f64, &motion);
             let prior = PoseBox::from([
                 Interval::centred(pose.x_m, 1.0),
                 Interval::centred(pose.y_m, 1.0),
                 Interval::centred(pose.heading_rad + 0.2, 0.5),
             ]);
             let reading = at_stamp(index as f64, told);
-            let constraint = method.constrain(&reading, &PoseUnion::single(prior), &Twist::default()).unwrap();
+            let prior_union = PoseUnion::single(prior);
+            let context = Context { motion: &motion, ..Context::at_rest(&prior_union) };
+            let constraint = method.constrain(&reading, &context).unwrap();
             let mut domain = prior;
             constraint.on_pose.contract(&mut domain);
             assert!(domain.contains(&pose.to_array()), "{index}: {pose:?} {domain:?}");
@@ -250,7 +251,7 @@ fn numbers_that_tell_no_position_are_passed_over() {
         vec![1.0; 4],
     ] {
         let reading = Reading::Other { measured_s: 0.0, arrived_s: 0.0, device: "gnss".to_owned(), numbers };
-        assert!(method.constrain(&reading, &prior, &Twist::default()).is_none(), "{reading:?}");
+        assert!(method.constrain(&reading, &Context::at_rest(&prior)).is_none(), "{reading:?}");
     }
     let other = Reading::Other { measured_s: 0.0, arrived_s: 0.0, device: "sonar".to_owned(), numbers: vec![1.0; 3] };
     assert!(!method.reads(&other));

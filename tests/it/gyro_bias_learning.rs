@@ -1,7 +1,7 @@
 //! Tests of the gyroscope's bias, which the localizer learns between fixes of the heading and unlearns when an assumption is doubted.
 
 use interval::Interval;
-use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, motion::Twist, robot::GyroModel};
+use localizer::{Constraint, Localizer, Map, Method, PoseBox, Reading, method::Context, robot::GyroModel};
 
 use crate::range_landmarks_setup::{robot, says};
 
@@ -25,7 +25,7 @@ impl Method for Compass {
         matches!(reading, Reading::Range { .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         let says_rad = if reading.measured_s() < self.wrong_from_s { 0.0 } else { 0.3 };
         let is_wide = self.mostly_wide && reading.measured_s().ceil() % 5.0 != 3.0;
         let radius_rad = if is_wide { 10.0 * FIX_RAD } else { FIX_RAD };

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use interval::{Interval, IntervalBox};
-use localizer::motion::Twist;
 use localizer::{
     Claim, Method, PoseUnion, Reading,
+    method::{Context, Memory},
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     motion::{Motion, moved, moved_union},
     reading::LandmarkId,
@@ -111,7 +111,7 @@ impl Drive {
         }
         let known = self.places();
         let reading = self.reading();
-        if let Some(constraint) = self.method.constrain(&reading, &self.pose, &Twist::default()) {
+        if let Some(constraint) = self.method.constrain(&reading, &Context::at_rest(&self.pose)) {
             self.judge(&constraint.claims);
             let branches = self.pose.branches.iter().flat_map(|branch| constraint.on_pose.branches(branch)).collect();
             self.pose = PoseUnion { branches }.without_repeats();
@@ -285,7 +285,7 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
         // the robot stands still.
         for _ in 0..20 {
             let reading = drive.reading();
-            drive.method.constrain(&reading, &pose, &Twist::default());
+            drive.method.constrain(&reading, &Context::at_rest(&pose));
             drive.method.learn(&pose, &|_, _| Some(IntervalBox::point(&[0.0; 3])));
             drive.time_s += STEP_S;
         }

@@ -1,10 +1,10 @@
 //! Tests of the method with unmapped landmarks: which sightings must not be taken for consecutive, and which knowledge must not outlive a doubt.
 
-use interval::{Interval, contractor::Contractor};
+use interval::Interval;
 use localizer::{
     Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
+    method::{Context, Memory, OnPose},
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
-    motion::Twist,
     reading::Sighting,
 };
 use nalgebra::Point3;
@@ -46,7 +46,7 @@ impl Stand {
     fn receive(&mut self, stamp_s: f64, arrived_s: f64, sighting: Sighting, is_learnt: bool) {
         let pose = PoseUnion::single(PoseBox::point(&[0.0; 3]));
         let reading = Reading::Range { measured_s: stamp_s, arrived_s, sightings: vec![sighting] };
-        self.method.constrain(&reading, &pose, &Twist::default());
+        self.method.constrain(&reading, &Context::at_rest(&pose));
         if is_learnt {
             self.method.learn(&pose, &|from_s, to_s| {
                 assert!(from_s <= to_s, "motion is asked from {from_s} s back to {to_s} s");
@@ -234,19 +234,30 @@ impl Method for Believer {
         matches!(reading, Reading::Range { .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         self.n_readings += 1;
         let x_m = if self.n_readings == 1 { 0.0 } else { 0.5 };
         Some(says(self.name(), reading, 0, Interval::centred(x_m, 0.01)))
     }
 
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for Believer {
     fn forget_since(&mut self, _since_s: f64) {
         self.has_forgotten = true;
     }
 
-    fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
-        self.has_forgotten
-            .then(|| Box::new(Only(0, Interval::centred(0.5, 0.01))) as Box<dyn Contractor<3> + Send + Sync>)
+    fn clock_set_back(&mut self) {}
+
+    fn on_pose_again(&self, _stamp_s: f64) -> Option<OnPose> {
+        self.has_forgotten.then(|| Box::new(Only(0, Interval::centred(0.5, 0.01))) as OnPose)
     }
 }
 

@@ -4,7 +4,6 @@ use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
 use localizer::{
     Constraint, PoseBox, Reading, RobotModel,
-    quota::Quota,
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach, WheelModel},
 };
@@ -225,17 +224,5 @@ impl Contractor<3> for Only {
 /// Constraint of a test's stand-in for a method: one component of the pose is within an interval at the reading's stamp. It makes no claims and
 /// relies on no declared bound.
 pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, within: Interval) -> Constraint {
-    Constraint {
-        method,
-        stamp_s: reading.measured_s(),
-        on_pose: Box::new(Only(component, within)),
-        by_itself: None,
-        relies_on: Vec::new(),
-        claims: Vec::new(),
-        quota: Quota::of_each(0),
-        rejected_px: Vec::new(),
-        decides: true,
-        alone_heading_rad: None,
-        relations: None,
-    }
+    Constraint::new(method, reading.measured_s(), Only(component, within))
 }

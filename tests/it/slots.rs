@@ -2,7 +2,7 @@
 //! from the last stored pose before it, however old that one is.
 
 use interval::Interval;
-use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, motion::Twist};
+use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, method::Context};
 
 use crate::range_landmarks_setup::{robot, says};
 
@@ -18,7 +18,7 @@ impl Method for AtZero {
         matches!(reading, Reading::Range { .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         Some(says(self.name(), reading, 0, Interval::centred(0.0, 0.01)))
     }
 }

@@ -2,7 +2,8 @@
 
 use interval::Interval;
 use localizer::{
-    Claim, Map, Method, PoseBox, PoseUnion, RobotModel,
+    Claim, Map, PoseBox, PoseUnion, RobotModel,
+    method::Memory,
     methods::wall_directions::{IMAGES, Quotas, Setup, WallDirections},
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::EdgeLine,

@@ -320,10 +320,12 @@ impl Localizer {
         self.tell_wheels_of_gyro();
         self.graph.clear();
         for method in &mut self.methods {
-            method.forget_since(since_s);
+            let name = method.name();
+            let Some(memory) = method.memory_mut() else { continue };
+            memory.forget_since(since_s);
             for slot in self.ring.iter_mut() {
-                let hung = slot.constraint.as_mut().filter(|hung| hung.method == method.name());
-                if let (Some(constraint), Some(on_pose)) = (hung, method.renewed(slot.stamp_s)) {
+                let hung = slot.constraint.as_mut().filter(|hung| hung.method == name);
+                if let (Some(constraint), Some(on_pose)) = (hung, memory.on_pose_again(slot.stamp_s)) {
                     constraint.on_pose = on_pose;
                     first_s = first_s.min(slot.stamp_s);
                 }

@@ -20,7 +20,9 @@ use interval::Interval;
 use crate::{
     Constraint, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
+    method::{Context, Memory},
     motion::{Agreement, Motion, SlipExcess, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
+    reading::LandmarkId,
 };
 
 pub use account::Account;
@@ -144,7 +146,7 @@ impl Localizer {
         self.slip = CertifiedSlip::new(memory_s(&self.robot));
         self.stale_s = f64::INFINITY;
         self.relies_on = assumptions(&self.robot);
-        self.methods.iter_mut().for_each(|method| method.clock_set_back());
+        self.memories().for_each(|memory| memory.clock_set_back());
         self.begin_at(start);
         self.begin_fixes();
     }
@@ -339,34 +341,16 @@ impl Localizer {
     fn look(&mut self, reading: &Reading) -> Vec<Account> {
         let stamp_s = reading.measured_s();
         let Some(prior) = self.union_at(stamp_s) else { return Vec::new() };
-        let twist = self.wheels.twist(stamp_s, &self.robot.wheels);
         let mut accounts = Vec::new();
         for idx in 0..self.methods.len() {
             if !self.methods[idx].reads(reading) {
                 continue;
             }
-            let (wheels, robot, is_doubted) = (&self.wheels, &self.robot, self.is_doubted());
-            let (slip, fixes, doubt_ended_s) = (&self.slip, &self.fixes, self.doubts.ended_s);
-            self.methods[idx].carry_to(stamp_s, &|from_s, to_s| {
-                // For a time span that began during a doubt or before it, the wheels are not used, because their bounds may be the assumption that
-                // failed.
-                let doubted = is_doubted || from_s < doubt_ended_s;
-                let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
-                let Some(fixes) = fixes else { return motion };
-                // With heading fixes, gyroscope readings are remembered for longer than wheel readings. For a span that only they cover, the limits
-                // of motion bound the displacement, and the gyroscope gives the turn.
-                let mut motion = motion.unwrap_or_else(|| wheels.reach_motion(from_s, to_s, &robot.reach));
-                let turn =
-                    if doubted { fixes.turn_if_pushed(from_s, to_s, &robot.reach) } else { fixes.turn(from_s, to_s) };
-                motion[2] = motion[2].intersect(turn?);
-                Some(motion)
-            });
-            let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {
+            let Some(constraint) = self.constrain(idx, reading, &prior) else {
                 accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
                 continue;
             };
-            let heading_only = self.methods[idx].tells_heading_only();
-            let constraint = if heading_only { self.on_a_reading(constraint) } else { constraint };
+            let constraint = if constraint.heading_only { self.on_a_reading(constraint) } else { constraint };
             let (hung_s, relations) = (constraint.stamp_s, constraint.relations.clone());
             let device = device(reading, constraint.method);
             let mut account = self.hang(constraint, device, prior.clone());
@@ -374,14 +358,10 @@ impl Localizer {
             if hung_s != stamp_s {
                 account.posterior = self.union_at(stamp_s).unwrap_or_default();
             }
-            if !self.is_doubted() {
-                let (wheels, robot, slip, doubt_ended_s) = (&self.wheels, &self.robot, &self.slip, self.doubts.ended_s);
-                self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
-                    motion_between(wheels, robot, slip, false, [from_s, to_s]).filter(|_| from_s >= doubt_ended_s)
-                });
-            }
-            account.landmarks = self.methods[idx].landmarks();
-            let is_sound = self.learn_heading(hung_s, fixed) && !self.methods[idx].take_contradiction();
+            account.landmarks = self.learn(idx, &account.posterior);
+            let contradicts = |memory: &mut dyn Memory| memory.take_contradiction();
+            let is_sound =
+                self.learn_heading(hung_s, fixed) && !self.methods[idx].memory_mut().is_some_and(contradicts);
             if !is_sound && !self.is_doubted() {
                 self.begin_doubt(None);
             }
@@ -390,6 +370,51 @@ impl Localizer {
             accounts.push(account);
         }
         accounts
+    }
+
+    /// The constraint that a method makes of a reading; `prior` encloses the pose at its stamp.
+    fn constrain(&mut self, method: usize, reading: &Reading, prior: &PoseUnion) -> Option<Constraint> {
+        let twist = self.wheels.twist(reading.measured_s(), &self.robot.wheels);
+        let (wheels, robot, is_doubted) = (&self.wheels, &self.robot, self.is_doubted());
+        let (slip, fixes, doubt_ended_s) = (&self.slip, &self.fixes, self.doubts.ended_s);
+        let motion = |from_s: f64, to_s: f64| {
+            // For a time span that began during a doubt or before it, the wheels are not used, because their bounds may be the assumption that
+            // failed.
+            let doubted = is_doubted || from_s < doubt_ended_s;
+            let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
+            let Some(fixes) = fixes else { return motion };
+            // With heading fixes, gyroscope readings are remembered for longer than wheel readings. For a span that only they cover, the limits
+            // of motion bound the displacement, and the gyroscope gives the turn.
+            let mut motion = motion.unwrap_or_else(|| wheels.reach_motion(from_s, to_s, &robot.reach));
+            let turn =
+                if doubted { fixes.turn_if_pushed(from_s, to_s, &robot.reach) } else { fixes.turn(from_s, to_s) };
+            motion[2] = motion[2].intersect(turn?);
+            Some(motion)
+        };
+        self.methods[method].constrain(reading, &Context { prior, twist: &twist, motion: &motion })
+    }
+
+    /// Lets a method learn from the reading that it constrained last, unless an assumption is doubted; returns the landmarks that it knows then.
+    fn learn(&mut self, method: usize, posterior: &PoseUnion) -> Vec<(LandmarkId, [Interval; 2])> {
+        let is_doubted = self.is_doubted();
+        let (wheels, robot, slip, doubt_ended_s) = (&self.wheels, &self.robot, &self.slip, self.doubts.ended_s);
+        let Some(memory) = self.methods[method].memory_mut() else { return Vec::new() };
+        if !is_doubted {
+            memory.learn(posterior, &|from_s, to_s| {
+                motion_between(wheels, robot, slip, false, [from_s, to_s]).filter(|_| from_s >= doubt_ended_s)
+            });
+        }
+        memory.landmarks()
+    }
+
+    /// The landmarks that all methods have learnt.
+    fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
+        self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.landmarks()).collect()
+    }
+
+    /// What the methods keep from one reading to the next.
+    fn memories(&mut self) -> impl Iterator<Item = &mut dyn Memory> {
+        self.methods.iter_mut().filter_map(|method| method.memory_mut())
     }
 
     /// Stores a constraint in a slot at its stamp, and recomputes all stored pose unions from there on. `prior` is the pose union at the stamp before

@@ -168,7 +168,7 @@ impl Localizer {
         if self.now_s > before_s {
             self.add_pose(&mut frames, before_s, &believed, self.now_s, None);
         }
-        let known: Vec<_> = self.methods.iter().flat_map(|method| method.landmarks()).collect();
+        let known = self.landmarks();
         frames.related(&known).ok()
     }
 

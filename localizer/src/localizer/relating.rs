@@ -10,8 +10,7 @@ use interval::IntervalBox;
 
 use crate::{
     PoseUnion, RobotModel,
-    graph::{Hull, KeyFrames, Place, Related, Relations, Stray, Variable, WidthParts},
-    reading::LandmarkId,
+    graph::{Hull, KeyFrames, Related, Relations, Stray, Variable, WidthParts},
 };
 
 use super::{Localizer, naming::Intersected, ring::Slot};
@@ -138,7 +137,7 @@ impl Localizer {
     fn related(&mut self) -> Option<Related> {
         self.learn_way();
         self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
-        let known: Vec<(LandmarkId, Place)> = self.methods.iter().flat_map(|method| method.landmarks()).collect();
+        let known = self.landmarks();
         self.graph.frames.related(&known).ok()
     }
 

@@ -21,11 +21,11 @@ use std::sync::Arc;
 use interval::Interval;
 
 use crate::{
-    Map, PoseUnion, Reading, RobotModel, bounds,
+    Map, Reading, RobotModel, bounds,
     bounds::Assumption,
     map::{MarkerMap, PlacedMarker},
     markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
-    method::{Claim, Constraint, Method},
+    method::{Claim, Constraint, Context, Method},
     motion::Twist,
     quota::Quota,
     reading::Camera,
@@ -129,18 +129,13 @@ impl CeilingMarkers {
         let stamp = [reach.speed_m_per_s * stamp_s_error, reach.turn_rate_rad_per_s * stamp_s_error];
         let on_pose = Markers::new(&dots, self.map.placement_m, self.camera.q_items, self.yaw_error(), stamp)?;
         Some(Constraint {
-            method: self.name(),
-            stamp_s,
-            on_pose: Box::new(on_pose),
-            by_itself: None,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.camera.q_items),
-            decides: true,
-            alone_heading_rad: None,
             // Where a marker may not be as the map says, its rows may not hold.
             relations: (self.camera.q_items == 0).then(|| Arc::new(related) as _),
             rejected_px,
+            ..Constraint::new(self.name(), stamp_s, on_pose)
         })
     }
 
@@ -220,11 +215,11 @@ impl Method for CeilingMarkers {
         matches!(reading, Reading::Camera { camera: Camera::Ceiling, .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Ceiling, exposure_s, image, .. } = reading else {
             return None;
         };
-        let found = ceiling::detect(image, &self.view, &self.is_word, &self.motion(twist, *exposure_s));
+        let found = ceiling::detect(image, &self.view, &self.is_word, &self.motion(context.twist, *exposure_s));
         self.constraint(*measured_s, found)
     }
 }

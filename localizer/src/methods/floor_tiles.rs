@@ -27,7 +27,7 @@ use interval::Interval;
 use crate::{
     Map, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    method::{Claim, Constraint, Method},
+    method::{Claim, Constraint, Context, Method},
     motion::Twist,
     quota::Quota,
     reading::Camera,
@@ -153,11 +153,8 @@ impl FloorTiles {
         if joints.is_empty() {
             return None;
         }
+        let on_pose = TileJoints::new(joints, self.geometry.clone(), self.view.q_items);
         Some(Constraint {
-            method: self.name(),
-            stamp_s,
-            on_pose: Box::new(TileJoints::new(joints, self.geometry.clone(), self.view.q_items)),
-            by_itself: None,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.view.q_items),
@@ -165,9 +162,9 @@ impl FloorTiles {
             // Parallel joints between tiles leave the position along them open, but the joints in the many images during a doubt about a
             // failed assumption do not. So every image counts as evidence to end the doubt.
             decides: true,
-            alone_heading_rad: None,
             // Where a line may be no joint, its rows may not hold.
             relations: (self.view.q_items == 0).then(|| Arc::new(related) as _),
+            ..Constraint::new(self.name(), stamp_s, on_pose)
         })
     }
 
@@ -191,8 +188,9 @@ impl Method for FloorTiles {
         matches!(reading, Reading::Camera { camera: Camera::Floor, .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
+        let twist = context.twist;
         let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);
         let chain = match self.chain {
             Chain::Direct => vision::direct::detect,
@@ -201,7 +199,7 @@ impl Method for FloorTiles {
         let row_time_s = self.geometry.camera.row_time_s;
         let rows = RowMotion { shift_px: self.blur_px(twist, row_time_s), turn_rad: twist.turn_rad_per_s * row_time_s };
         let lines = self.optics.look(image, rows, |picture| chain(picture, &self.view, blur_px, turn_rad));
-        self.constraint(*measured_s, lines, prior)
+        self.constraint(*measured_s, lines, context.prior)
     }
 }
 

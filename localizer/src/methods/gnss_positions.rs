@@ -12,19 +12,18 @@
 //! A receiver says of each position whether its ambiguities are resolved (*fixed*) or not (*floating*), and each of the two grades has a
 //! bound of its own.
 
-use std::collections::VecDeque;
-
 use interval::Interval;
 
 use crate::{
-    PoseUnion, Reading,
+    Reading,
     bounds::{self, Assumption},
-    method::{Constraint, Method, MotionBetween},
-    motion::Twist,
-    quota::Quota,
+    method::{Constraint, Context, Memory, Method},
+    motion::Motion,
     rigid_motion::{Landmark, RigidPlanar},
     robot::RobotModel,
 };
+
+use super::window::Window;
 
 /// Name of the satellite navigation receiver as a device whose readings the method uses.
 pub const DEVICE: &str = "gnss";
@@ -86,7 +85,7 @@ const FLOATING_ALIKE_S: f64 = 5.0;
 pub struct GnssPositions {
     receiver: ReceiverModel,
     robot: RobotModel,
-    held: VecDeque<Held>,
+    held: Window<Held>,
     /// Stamp of the last floating satellite position that counted as evidence independent of those before it.
     floating_witness_s: f64,
 }
@@ -94,17 +93,19 @@ pub struct GnssPositions {
 /// Satellite position of the last seconds that is held to be used with later ones.
 #[derive(Clone, Debug)]
 struct Held {
-    stamp_s: f64,
     grade: Assumption,
     in_world_m: [Interval; 2],
-    /// Position of the antenna at the held position's stamp, in the frame of the robot at the stamp of the next reading.
-    in_robot_m: [Interval; 2],
 }
 
 impl GnssPositions {
     /// Makes the positioning method for a satellite navigation receiver on a robot.
     pub fn new(receiver: ReceiverModel, robot: &RobotModel) -> Self {
-        GnssPositions { receiver, robot: robot.clone(), held: VecDeque::new(), floating_witness_s: f64::NEG_INFINITY }
+        GnssPositions {
+            receiver,
+            robot: robot.clone(),
+            held: Window::new(MOST_HELD),
+            floating_witness_s: f64::NEG_INFINITY,
+        }
     }
 
     /// Interval of the antenna's place in the robot frame, seen from above: a body that leans by up to φ shifts the antenna, at the height
@@ -116,6 +117,14 @@ impl GnssPositions {
         let shift = Interval::point(self.receiver.height_m) * lean.sin() + lever * (Interval::point(1.0) - lean.cos());
         let beside = Interval::new(-shift.hi(), shift.hi());
         [forward + beside, left + beside]
+    }
+
+    /// Position of the antenna before a motion of the robot, in the frame of the robot after it.
+    fn antenna_before_m(&self, moved: &Motion) -> [Interval; 2] {
+        let antenna_m = self.antenna_m();
+        let (sin, cos) = (moved[2].sin(), moved[2].cos());
+        let [from_x, from_y] = [antenna_m[0] - moved[0], antenna_m[1] - moved[1]];
+        [cos * from_x + sin * from_y, cos * from_y - sin * from_x]
     }
 
     /// Greatest distance that the antenna may move within the greatest error of a satellite position's stamp, as an interval around 0.
@@ -137,24 +146,9 @@ impl Method for GnssPositions {
         matches!(reading, Reading::Other { device, .. } if device == DEVICE)
     }
 
-    fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
-        let antenna_m = self.antenna_m();
-        // A held position is dropped if the remembered motion readings do not reach back to its stamp, or if its stamp is not before that
-        // of the new position.
-        self.held.retain_mut(|held| {
-            let Some(moved) = motion(held.stamp_s, stamp_s).filter(|moved| held.stamp_s < stamp_s && !moved.is_empty())
-            else {
-                return false;
-            };
-            let (sin, cos) = (moved[2].sin(), moved[2].cos());
-            let [from_x, from_y] = [antenna_m[0] - moved[0], antenna_m[1] - moved[1]];
-            held.in_robot_m = [cos * from_x + sin * from_y, cos * from_y - sin * from_x];
-            true
-        });
-    }
-
-    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
+        self.held.carry_to(*measured_s, context.motion);
         let told = Position::of(numbers)?;
         let (grade, within_m) = if told.is_fixed {
             (bounds::GNSS_FIXED, self.receiver.fixed_m)
@@ -163,10 +157,10 @@ impl Method for GnssPositions {
         };
         let in_world_m = told.at_m.map(|at_m| Interval::centred(at_m, within_m) + self.moved_m());
         let now = (in_world_m, self.antenna_m());
-        let held = self.held.iter().map(|held| (held.in_world_m, held.in_robot_m));
+        let held = self.held.iter().map(|held| (held.what.in_world_m, self.antenna_before_m(&held.moved)));
         let landmarks: Vec<Landmark> = std::iter::once(now).chain(held).collect();
         let mut relies_on = RELIES_ON.to_vec();
-        for grade in std::iter::once(grade).chain(self.held.iter().map(|held| held.grade)) {
+        for grade in std::iter::once(grade).chain(self.held.iter().map(|held| held.what.grade)) {
             if !relies_on.contains(&grade) {
                 relies_on.push(grade);
             }
@@ -175,31 +169,31 @@ impl Method for GnssPositions {
         if !told.is_fixed && !is_alike {
             self.floating_witness_s = *measured_s;
         }
-        if self.held.back().is_none_or(|last| *measured_s >= last.stamp_s + APART_S) {
-            self.held.push_back(Held { stamp_s: *measured_s, grade, in_world_m, in_robot_m: self.antenna_m() });
-        }
-        if self.held.len() > MOST_HELD {
-            self.held.pop_front();
+        if self.held.latest().is_none_or(|last| *measured_s >= last.stamp_s + APART_S) {
+            self.held.push(*measured_s, Held { grade, in_world_m });
         }
         Some(Constraint {
-            method: self.name(),
-            stamp_s: *measured_s,
             by_itself: (landmarks.len() > 1).then(|| Box::new(RigidPlanar::new(&landmarks[..1])) as Box<_>),
-            on_pose: Box::new(RigidPlanar::new(&landmarks)),
             relies_on,
-            // Claims are assertions of what a camera saw, so that a satellite position has none: it is wrong only where its error exceeds
-            // the declared bound.
-            claims: Vec::new(),
-            quota: Quota::of_each(0),
             // A single position leaves the heading open, but the many positions during a doubt about a failed assumption do not. So a
             // position counts as evidence to end the doubt, unless it is floating and soon after another.
             decides: !is_alike,
-            rejected_px: Vec::new(),
-            alone_heading_rad: None,
-            relations: None,
+            // Claims are assertions of what a camera saw, so that a satellite position has none: it is wrong only where its error exceeds
+            // the declared bound.
+            ..Constraint::new(self.name(), *measured_s, RigidPlanar::new(&landmarks))
         })
     }
 
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for GnssPositions {
     /// Drops all held positions, because the robot's motion by which they were carried may be false.
     fn forget_since(&mut self, _since_s: f64) {
         self.held.clear();

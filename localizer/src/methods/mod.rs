@@ -8,3 +8,4 @@ mod lean;
 mod tilt;
 pub mod range_landmarks;
 pub mod wall_directions;
+mod window;

@@ -33,13 +33,12 @@ mod solver;
 use std::{collections::VecDeque, sync::Arc};
 
 use interval::Interval;
-use interval::contractor::{Contractor, Outcome};
+use interval::contractor::Outcome;
 
 use crate::{
     PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    method::{Claim, Constraint, Method, MotionBetween},
-    motion::Twist,
+    method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
     quota::Quota,
     reading::LandmarkId,
 };
@@ -186,7 +185,7 @@ impl Method for RangeLandmarks {
         matches!(reading, Reading::Range { .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         let Reading::Range { measured_s, arrived_s, sightings } = reading else { return None };
         self.miss_latest();
         if sightings.is_empty() {
@@ -205,21 +204,27 @@ impl Method for RangeLandmarks {
         if claims.is_empty() {
             return None;
         }
+        let on_pose = PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver);
         Some(Constraint {
-            method: self.name(),
-            stamp_s: *measured_s,
-            on_pose: Box::new(PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver)),
-            by_itself: None,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.q_items),
-            rejected_px: Vec::new(),
             decides,
-            alone_heading_rad: None,
             relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings, codes)) as _),
+            ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
 
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for RangeLandmarks {
     fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween) {
         let Some(Latest { stamp_s, arrived_s, seen, codes }) = self.latest.take() else { return };
         let learnt = Learnt { posterior: posterior.clone(), seen, codes };
@@ -236,7 +241,7 @@ impl Method for RangeLandmarks {
         std::mem::take(&mut self.contradicts)
     }
 
-    fn renewed(&self, stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
+    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
         let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
         Some(Box::new(PoseFromLandmarks::new(self.pairs(seen), self.q_items, self.freedom, self.solver)))
     }

@@ -25,20 +25,18 @@ pub use quotas::Quotas;
 pub use sight::ray;
 
 use agreement::WallHeadings;
-use held::{Certificates, Seen, still};
-use posture::{Told, View};
+use held::{Certificates, headings_now};
+use posture::{Agreement, Told, View};
 use sight::SightPlane;
 
-use std::collections::VecDeque;
+use super::window::{Held, Window};
 
 use interval::Interval;
 
 use crate::{
     Map, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    method::{Claim, Constraint, Method, MotionBetween},
-    motion::Twist,
-    quota::Quota,
+    method::{Claim, Constraint, Context, Memory, Method, MotionBetween},
     reading::Camera,
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},
@@ -138,7 +136,8 @@ pub struct WallDirections {
     stamp_turn_rad: f64,
     directions: Vec<Direction>,
     learns: bool,
-    seen: VecDeque<Seen>,
+    /// For each image held, the headings on which its level edges agree.
+    seen: Window<Agreement>,
     certificates: Certificates,
     /// Directions from robot forward, in the latest image, of edges that run along no known wall.
     strange_rad: Vec<Interval>,
@@ -162,7 +161,8 @@ impl WallDirections {
         let Setup { chain, solves_lean, floor_edges, decides, quotas, .. } = setup;
         let is_refitted = solves_lean && chain == Chain::Direct;
         let widest_rad = if is_refitted { sight::WIDEST_REFITTED_RAD } else { sight::WIDEST_RAD };
-        Some(WallDirections { chain, solves_lean, floor_edges, quotas, widest_rad, decides, ..walls })
+        let seen = Window::new(if solves_lean { IMAGES } else { IMAGES_APART });
+        Some(WallDirections { chain, solves_lean, floor_edges, quotas, widest_rad, decides, seen, ..walls })
     }
 
     /// Makes the wall-direction method for a camera, with the directions that the map gives; `learns` says whether the building may have more.
@@ -186,7 +186,7 @@ impl WallDirections {
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
             learns,
-            seen: VecDeque::new(),
+            seen: Window::new(IMAGES_APART),
             certificates: Certificates::default(),
             strange_rad: Vec::new(),
             latest_s: f64::NEG_INFINITY,
@@ -196,7 +196,7 @@ impl WallDirections {
     /// The same wall-direction method for a building where long edges on the floor run along walls; it solves for the lean of robot and camera from
     /// all edges of an image together.
     pub fn with_floor_edges_and_lean(self) -> Self {
-        WallDirections { floor_edges: true, solves_lean: true, ..self }
+        WallDirections { floor_edges: true, solves_lean: true, seen: Window::new(IMAGES), ..self }
     }
 
     /// The same wall-direction method with other quotas, which say how many image edges may be wrong.
@@ -204,7 +204,13 @@ impl WallDirections {
         WallDirections { quotas, ..self }
     }
 
-    /// Constraint on the heading from the edges found in an image with the stamp `stamp_s`; `None` when the edges are too few.
+    /// Carries the images held to the stamp of the next one.
+    pub fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
+        self.seen.carry_to(stamp_s, motion);
+    }
+
+    /// Constraint on the heading from the edges found in an image with the stamp `stamp_s`, to which the images held have been carried; `None` when
+    /// the edges are too few.
     pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
         let directions_rad = self.directions_rad();
         let edges = self.sorted(lines, prior.hull()[2], &directions_rad);
@@ -232,33 +238,28 @@ impl WallDirections {
             self.certificates.note(is_spoilt, self.most_spoilt());
         }
         if !alone.is_empty() {
-            self.seen.push_back(Seen { stamp_s, agreement, moved: still() });
+            self.seen.push(stamp_s, agreement);
         } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
             // The edges are too few, or agree on no heading near those known before the image. In the second case more edges are wrong than the quota
             // declares, and it is counted in how many of the latest images that is so.
             return self.certificates.are_too_many.then(|| self.silent(stamp_s, edges.rejected_px));
-        }
-        if self.seen.len() > if self.solves_lean { IMAGES } else { IMAGES_APART } {
-            self.seen.pop_front();
         }
         let level = edges.level.iter().map(|line| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px });
         let upright =
             edges.upright.iter().map(|line| Claim::UprightLine { ends_px: line.ends_px, bound_px: line.bound_px });
         let held = self.headings_held();
         Some(Constraint {
-            method: self.name(),
-            stamp_s,
             // Images whose edges rule out no heading agree with any pose, so they are no evidence to end a doubt about a failed assumption.
             decides: self.decides && held.says_something(),
-            on_pose: Box::new(held),
             // In a single image more edges may be wrong than its quota declares, so that it says nothing without the other images held.
             by_itself: Some(Box::new(WallHeadings::silent())),
+            heading_only: true,
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
-            quota: self.quotas.of_image([n_level, edges.upright.len()], self.seen.len(), self.solves_lean),
+            quota: self.quotas.of_image([n_level, edges.upright.len()], self.solves_lean),
             rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
-            relations: None,
+            ..Constraint::new(self.name(), stamp_s, held)
         })
     }
 
@@ -270,35 +271,31 @@ impl WallDirections {
     /// A constraint that rules out no pose. It is returned instead of `None` so that the localizer checks whether the method has met a contradiction.
     fn silent(&self, stamp_s: f64, rejected_px: Vec<[f64; 4]>) -> Constraint {
         Constraint {
-            method: self.name(),
-            stamp_s,
-            on_pose: Box::new(WallHeadings::silent()),
-            by_itself: None,
-            relies_on: Vec::new(),
-            claims: Vec::new(),
-            quota: Quota::of_each(0),
+            heading_only: true,
             decides: false,
             rejected_px,
-            alone_heading_rad: None,
-            relations: None,
+            ..Constraint::new(self.name(), stamp_s, WallHeadings::silent())
         }
     }
 
     /// Headings that the edges of all images held allow together, within the declared quotas of wrong edges.
     fn headings_held(&self) -> WallHeadings {
         if self.solves_lean {
-            return WallHeadings::of_edges(self.seen.iter().map(|seen| seen.now().collect()).collect(), &self.quotas);
+            let images = self.seen.iter().map(|seen| headings_now(seen).collect()).collect();
+            return WallHeadings::of_edges(images, &self.quotas);
         }
-        let of_image = |seen: &Seen| {
-            let n_level = seen.agreement.len();
-            seen.now().nth((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1)).unwrap_or_default()
+        let of_image = |seen: &Held<Agreement>| {
+            let n_level = seen.what.len();
+            headings_now(seen)
+                .nth((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1))
+                .unwrap_or_default()
         };
         WallHeadings::of_images(self.seen.iter().map(of_image).collect(), &self.quotas)
     }
 
     /// Whether the robot has moved or turned far enough since the last image held for a new image to be used.
     fn is_new_place(&self) -> bool {
-        self.seen.back().is_none_or(|last| {
+        self.seen.latest().is_none_or(|last| {
             let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
             forward_m.hypot(left_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
         })
@@ -315,29 +312,15 @@ impl Method for WallDirections {
         "wall_directions"
     }
 
-    fn tells_heading_only(&self) -> bool {
-        true
-    }
-
     fn reads(&self, reading: &Reading) -> bool {
         matches!(reading, Reading::Camera { camera: Camera::Forward, .. })
     }
 
-    fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
-        // Each held image is carried by the robot's motion in one step from its own stamp. An image is dropped if the remembered motion readings do
-        // not reach back to its stamp.
-        self.seen.retain_mut(|seen| {
-            let moved = if seen.stamp_s == stamp_s { Some(still()) } else { motion(seen.stamp_s, stamp_s) };
-            let is_known = moved.is_some_and(|moved| !moved.is_empty());
-            seen.moved = moved.filter(|_| is_known).unwrap_or(seen.moved);
-            is_known
-        });
-    }
-
-    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, exposure_s, image, .. } = reading else {
             return None;
         };
+        self.carry_to(*measured_s, context.motion);
         if !self.is_new_place() {
             return None;
         }
@@ -350,15 +333,25 @@ impl Method for WallDirections {
             Chain::PaperByTiles => by_paper(Equalisation::ByTiles),
         };
         // A turn of the robot during the exposure moves the image sideways, in its middle by the focal length times the angle turned.
-        let moved_px = self.camera.focal_px.mid() * (twist.turn_rad_per_s * exposure_s).abs();
+        let moved_px = self.camera.focal_px.mid() * (context.twist.turn_rad_per_s * exposure_s).abs();
         for line in &mut lines {
             let [[_, v0], [_, v1]] = line.ends_px;
             line.bound_px *= if self.solves_lean { 1.0 } else { APART_BOUNDS };
             line.bound_px += BLUR_SHARE * moved_px * (v1 - v0).abs() / sight::length_px(line);
         }
-        self.constraint(*measured_s, &lines, prior)
+        self.constraint(*measured_s, &lines, context.prior)
     }
 
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for WallDirections {
     fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
         let heading = posterior.hull()[2];
         if !self.learns || self.strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {

@@ -63,8 +63,8 @@ pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bo
         match (image.quota.counting, held) {
             (Counting::Alone, _) => too_many,
             (_, None) => false,
-            (Counting::Readings(most), Some(held)) => too_many && held.misread > most,
-            (Counting::Together { share, more, readings }, Some(held)) => {
+            (Counting::Readings { most, .. }, Some(held)) => too_many && held.misread > most,
+            (Counting::Together { share, more, readings, .. }, Some(held)) => {
                 held.wrong > share_of(share, held.all) + more || held.spoilt > readings
             }
         }
@@ -99,16 +99,14 @@ impl HeldClaims {
 pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
     let mut seen: BTreeMap<&str, Vec<HeldClaims>> = BTreeMap::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
-        if image.quota.counting == Counting::Alone {
-            return None;
-        }
+        let (Counting::Readings { of, .. } | Counting::Together { of, .. }) = image.quota.counting else { return None };
         let seen = seen.entry(image.method).or_default();
         // An image that gives no heading on its own is not among the images whose claims are counted together.
         if image.alone_heading_rad.is_some() {
             let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
             seen.push(HeldClaims::of(all, &image.quota, *judged));
         }
-        let held = seen.iter().rev().take(image.quota.n_held);
+        let held = seen.iter().rev().take(of);
         Some(held.fold(HeldClaims::default(), |sum, image| HeldClaims {
             all: sum.all + image.all,
             wrong: sum.wrong + image.wrong,
@@ -127,7 +125,7 @@ mod tests {
     fn without_a_right_lean_no_claim_of_an_image_is_right() {
         // Worked out by hand: the quota allows one wrong upright edge. With two of them wrong all six other claims of the image count as wrong,
         // otherwise only the two that are false.
-        let quota = Quota { items: 2, upright: 1, n_held: 1, counting: Counting::Readings(2) };
+        let quota = Quota { items: 2, upright: 1, counting: Counting::Readings { of: 1, most: 2 } };
         for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
             assert_eq!(HeldClaims::of(6, &quota, FalseClaims { upright, others: 2 }).wrong, wrong);
         }

@@ -12,7 +12,7 @@ use crate::{
     Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{Coding, MarkerId},
-    motion::Twist,
+    method::Context,
     reading::Camera,
     robot::{BodyModel, CeilingCameraModel, Reach, WheelModel},
     vision::{
@@ -145,7 +145,7 @@ impl Table {
             Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera: Camera::Ceiling, exposure_s: 0.002, image };
         let prior = PoseBox::new([room, room, Interval::centred(pose[2], 3.2)]);
         let start = Instant::now();
-        let constraint = method.constrain(&reading, &PoseUnion::single(prior), &Twist::default()).expect("a marker");
+        let constraint = method.constrain(&reading, &Context::at_rest(&PoseUnion::single(prior))).expect("a marker");
         let found = PoseUnion { branches: constraint.on_pose.branches(&prior) };
         self.milliseconds.push(start.elapsed().as_secs_f64() * 1e3);
         let hull = found.hull();

@@ -4,29 +4,11 @@ use std::collections::VecDeque;
 
 use interval::Interval;
 
-use crate::PoseBox;
+use super::{super::window::Held, posture::Agreement};
 
-use super::posture::Agreement;
-
-/// Level edges of one image that is held, by the headings that they allow.
-#[derive(Clone, Debug)]
-pub(super) struct Seen {
-    pub(super) stamp_s: f64,
-    /// Headings at the image's stamp on which one, two, … of its edges agree.
-    pub(super) agreement: Agreement,
-    /// Motion of the robot since the image: forward, left, and turned.
-    pub(super) moved: PoseBox,
-}
-
-impl Seen {
-    /// Headings at the latest stamp on which one, two, … of the image's edges agree.
-    pub(super) fn now(&self) -> impl Iterator<Item = Vec<Interval>> {
-        self.agreement.iter().map(|headings| headings.iter().map(|&heading| heading + self.moved[2]).collect())
-    }
-}
-
-pub(super) fn still() -> PoseBox {
-    PoseBox::from([Interval::ZERO; 3])
+/// For each count, from one up, the headings at the latest stamp on which so many level edges of an image that is held agree.
+pub(super) fn headings_now(seen: &Held<Agreement>) -> impl Iterator<Item = Vec<Interval>> {
+    seen.what.iter().map(|headings| headings.iter().map(|&heading| heading + seen.moved[2]).collect())
 }
 
 /// Record of which images in a sequence certainly have more wrong edges than declared, provided that the prior was right: at no heading

@@ -2,6 +2,8 @@
 
 use crate::quota::{Counting, Quota, share_of};
 
+use super::{IMAGES, IMAGES_APART};
+
 /// Declared greatest numbers of image edges that run along none of the building's directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quotas {
@@ -19,14 +21,15 @@ pub struct Quotas {
 }
 
 impl Quotas {
-    /// Quota for the claims of an image with given numbers of level and upright edges; the image is the last of `n_held` images held.
-    pub(super) fn of_image(&self, [n_level, n_upright]: [usize; 2], n_held: usize, solves_lean: bool) -> Quota {
+    /// Quota for the claims of an image with given numbers of level and upright edges.
+    pub(super) fn of_image(&self, [n_level, n_upright]: [usize; 2], solves_lean: bool) -> Quota {
         let counting = if solves_lean {
-            Counting::Together { share: self.held_share, more: self.held_edges, readings: self.spoilt_images }
+            let Quotas { held_share: share, held_edges: more, spoilt_images: readings, .. } = *self;
+            Counting::Together { of: IMAGES, share, more, readings }
         } else {
-            Counting::Readings(self.images)
+            Counting::Readings { of: IMAGES_APART, most: self.images }
         };
-        Quota { items: self.wrong_of_image(n_level), upright: self.wrong_of_image(n_upright), n_held, counting }
+        Quota { items: self.wrong_of_image(n_level), upright: self.wrong_of_image(n_upright), counting }
     }
 
     /// Greatest number of a single image's edges that may be wrong, given how many it has.

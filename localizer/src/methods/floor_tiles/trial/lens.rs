@@ -10,6 +10,7 @@ use interval::{Interval, contractor::Contractor};
 
 use crate::{
     Claim, Method, PoseBox, PoseUnion, Reading, RobotModel,
+    method::Context,
     methods::floor_tiles::Chain,
     motion::Twist,
     reading::Camera,
@@ -69,7 +70,8 @@ fn trial(name: &str, eye: &Eye, robot: &RobotModel, chain: Chain, frames: usize)
         let (pose, prior) = random_pose(&mut random);
         let image = eye.picture(&rays, pose, &mut Random::new(1000 + frame as u64));
         let reading = floor_reading(image);
-        let constraint = method.constrain(&reading, &PoseUnion::single(prior), &eye.twist);
+        let constraint =
+            method.constrain(&reading, &Context { twist: &eye.twist, ..Context::at_rest(&PoseUnion::single(prior)) });
         let width = constraint.map(|constraint| {
             let pose_box = contracted(&constraint, prior);
             tally.missed += usize::from(!pose_box.contains(&pose));
@@ -168,7 +170,7 @@ fn a_lens_that_does_not_bend_leaves_the_picture_and_its_claims_alone() {
     let (pose, prior) = random_pose(&mut random);
     let image = eye.picture(&eye.rays(), pose, &mut random);
     let lines = vision::direct::detect(&image, &method.view, [0.0; 2], 0.0);
-    let constraint = method.constrain(&floor_reading(image), &PoseUnion::single(prior), &Twist::default());
+    let constraint = method.constrain(&floor_reading(image), &Context::at_rest(&PoseUnion::single(prior)));
     let constraint = constraint.unwrap_or_else(|| panic!("joints in view"));
     let claimed: Vec<Claim> = lines
         .lines
@@ -199,7 +201,10 @@ fn joints_answer_headings_without_bounds_and_places_far_away_promptly() {
     let (mut method, mut random) = (method(&robot, Chain::Direct), Random::new(7));
     let (pose, prior) = random_pose(&mut random);
     let image = eye.picture(&eye.rays(), pose, &mut Random::new(1));
-    let constraint = method.constrain(&floor_reading(image), &PoseUnion::single(prior), &eye.twist);
+    let constraint = method.constrain(
+        &floor_reading(image),
+        &Context { twist: &eye.twist, ..Context::at_rest(&PoseUnion::single(prior)) },
+    );
     let Some(constraint) = constraint else { panic!("no joint is in view") };
     let extremes = |at: f64| {
         [
