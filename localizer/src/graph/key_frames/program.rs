@@ -1,0 +1,169 @@
+//! The linear program of all key frames: the boxes of its quantities, and its rows.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use interval::{Interval, linear_program::ProgramError};
+
+use crate::{bounds, reading::LandmarkId, robot::GyroModel};
+
+use super::{
+    super::{Constant, Domain, Related, Row, Variable},
+    KeyFrame, KeyFrames, Place,
+};
+
+/// The gyroscope's errors that are constant over a run.
+const GYRO_ERRORS: [Variable; 2] = [Variable::Constant(Constant::GyroBias), Variable::Constant(Constant::GyroScale)];
+
+impl KeyFrames {
+    /// The linear program of all key frames. `known` are places of landmarks that follow from other readings.
+    pub fn related(&self, known: &[(LandmarkId, Place)]) -> Result<Related, ProgramError> {
+        let mut domain = self.domain(known);
+        let whole_s = [self.frames.front(), self.frames.back()].map(|frame| frame.map_or(0.0, |frame| frame.stamp_s));
+        let mut rows: Vec<(Row, [f64; 2])> = self.gyro_rows(&domain).into_iter().map(|row| (row, whole_s)).collect();
+        let mut before: Option<&KeyFrame> = None;
+        for frame in &self.frames {
+            if let (Some(before), Some(link)) = (before, &frame.link) {
+                let span_s = [before.stamp_s, frame.stamp_s];
+                let between = link.rows([before.number, frame.number], &domain).into_iter();
+                rows.extend(between.chain(self.drift_row(before, frame, &domain)).map(|row| (row, span_s)));
+            }
+            rows.extend(frame.rows(&domain).into_iter().map(|row| (row, [frame.stamp_s; 2])));
+            before = Some(frame);
+        }
+        // Quantities that no row names are left out.
+        let named = rows.iter().flat_map(|(row, _)| &row.terms).map(|&(variable, _)| variable);
+        let named: BTreeSet<Variable> = named.collect();
+        rows.extend(self.disc_rows(&named, &domain).into_iter().map(|row| (row, whole_s)));
+        domain.retain(|variable| named.contains(&variable) || matches!(variable, Variable::Pose(..)));
+        let labels = self.frames.iter().filter_map(|frame| Some((frame, frame.label?)));
+        let boxes = labels.flat_map(|(frame, label)| {
+            (0..3).filter(move |&axis| label.axes[axis]).map(move |axis| (Variable::Pose(frame.number, axis), label))
+        });
+        Related::new(domain, rows, boxes.collect())
+    }
+
+    /// The boxes of all quantities: of the landmarks, all that are seen from two key frames or more.
+    pub(super) fn domain(&self, known: &[(LandmarkId, Place)]) -> Domain {
+        let mut domain = self.constants.clone();
+        for (side, variable) in GYRO_ERRORS.into_iter().enumerate() {
+            let known = self.gyro_errors.iter().map(|corner| Interval::point(corner[side])).reduce(Interval::hull);
+            // A corner may be outside of the declared interval by a rounding error.
+            let value = domain.value(variable).intersect(known.unwrap_or(Interval::ENTIRE));
+            if !value.is_empty() {
+                domain.put(variable, value);
+            }
+        }
+        let known = known
+            .iter()
+            .flat_map(|&(landmark, place)| [0, 1].map(|axis| (Variable::Landmark(landmark, axis), (0, place[axis]))));
+        let mut named: BTreeMap<Variable, (usize, Interval)> = known.collect();
+        for frame in &self.frames {
+            domain.put_pose(frame.number, &frame.pose);
+            let shift_m = frame.shift_m();
+            if shift_m > 0.0 {
+                (0..2)
+                    .for_each(|axis| domain.put(Variable::Shift(frame.number, axis), Interval::centred(0.0, shift_m)));
+            }
+            let quantities = frame.relations.iter().flat_map(|one| one.quantities(frame.number, &frame.pose));
+            for (variable, value) in quantities {
+                let (n_named, best) = named.entry(variable).or_insert((0, Interval::ENTIRE));
+                *n_named += 1;
+                *best = best.intersect(value);
+            }
+            if let Some(gyro) = self.gyro.filter(|gyro| frame.link.is_some() && gyro.drifts_from_way_to_way()) {
+                domain.put(Variable::GyroBias(frame.number), gyro.bias_rad_per_s);
+            }
+            if let Some((error_m, _)) = frame.place {
+                (0..2).for_each(|axis| {
+                    domain.put(Variable::FlowPlace(frame.number, axis), Interval::centred(0.0, error_m))
+                });
+            }
+            if let Some(gyro) = self.gyro.filter(GyroModel::bounds_angle) {
+                let half_rad = 0.5 * gyro.angle_floor_rad;
+                domain.put(Variable::GyroAngle(frame.number), Interval::centred(0.0, half_rad));
+            }
+        }
+        for (variable, (n_named, value)) in named {
+            if value.is_bounded() && (n_named > 1 || !matches!(variable, Variable::Landmark(..))) {
+                domain.put(variable, value);
+            }
+        }
+        domain
+    }
+
+    /// Rows that cut the corners off the square about each disc of quantities that other rows name: with components a and b of length r at most,
+    /// |a ± b| ≤ √2·r.
+    fn disc_rows(&self, named: &BTreeSet<Variable>, domain: &Domain) -> Vec<Row> {
+        let of_readings = self.frames.iter().flat_map(|frame| {
+            let shift = ([0, 1].map(|axis| Variable::Shift(frame.number, axis)), frame.shift_m());
+            let shift = Some(shift).filter(|&(_, shift_m)| shift_m > 0.0);
+            frame.relations.iter().flat_map(|relations| relations.discs(frame.number)).chain(shift)
+        });
+        let mut discs: BTreeMap<[Variable; 2], f64> = of_readings.collect();
+        discs.extend(self.discs.iter().copied());
+        let cut = |([a, b], radius): ([Variable; 2], f64)| {
+            let most = (Interval::point(2.0).sqrt() * radius).hi();
+            [1.0, -1.0].map(|sign| {
+                let at_reference = Interval::point(domain.reference(a)) + Interval::point(domain.reference(b)) * sign;
+                let sides = Interval::centred(0.0, most) - at_reference;
+                Row::new(domain, &[(a, Interval::ONE), (b, Interval::point(sign))], sides)
+            })
+        };
+        discs.retain(|pair, _| pair.iter().all(|variable| named.contains(variable)));
+        discs.into_iter().flat_map(cut).collect()
+    }
+
+    /// A row for each side of the polygon that contains the gyroscope's bias and scale.
+    fn gyro_rows(&self, domain: &Domain) -> Vec<Row> {
+        let corners = &self.gyro_errors;
+        let across = |(at, corner): (usize, &[f64; 2])| {
+            let next = corners[(at + 1) % corners.len()];
+            let normal = [next[1] - corner[1], corner[0] - next[0]].map(Interval::point);
+            let side = |[bias, scale]: [f64; 2]| normal[0] * bias + normal[1] * scale;
+            let sides = corners.iter().map(|&corner| side(corner)).fold(Interval::EMPTY, Interval::hull);
+            let reference = GYRO_ERRORS.map(|variable| domain.reference(variable));
+            Row::new(domain, &[(GYRO_ERRORS[0], normal[0]), (GYRO_ERRORS[1], normal[1])], sides - side(reference))
+                .with_part(bounds::GYRO_BIAS, sides.radius())
+                .by_device("gyro")
+        };
+        corners.iter().enumerate().map(across).collect()
+    }
+
+    /// The mean biases on two ways, one after the other, differ by at most what the bias drifts between their middles.
+    fn drift_row(&self, before: &KeyFrame, frame: &KeyFrame, domain: &Domain) -> Option<Row> {
+        let wander_rad_per_s2 = self.gyro?.bias_wander_rad_per_s2;
+        let spans_s = before.link.as_ref()?.read()?.span_s()? + frame.link.as_ref()?.read()?.span_s()?;
+        let biases = [before, frame].map(|frame| Variable::GyroBias(frame.number));
+        if biases.iter().any(|&bias| domain.value(bias).is_empty()) {
+            return None;
+        }
+        let drift = Interval::point(wander_rad_per_s2) * spans_s * 0.5;
+        let one = Interval::point(1.0);
+        let at_reference = Interval::point(domain.reference(biases[1])) - domain.reference(biases[0]);
+        let sides = Interval::ZERO.hull(drift).hull(-drift) - at_reference;
+        let row = Row::new(domain, &[(biases[1], one), (biases[0], -one)], sides);
+        Some(row.with_part(bounds::GYRO_WANDER, drift.hi()).by_device("gyro"))
+    }
+}
+
+impl KeyFrame {
+    /// The rows of the reading at the key frame.
+    fn rows(&self, domain: &Domain) -> Vec<Row> {
+        let Some(relations) = &self.relations else { return Vec::new() };
+        let shift_m = self.shift_m();
+        if shift_m == 0.0 {
+            return relations.rows(self.number, &self.stray, domain);
+        }
+        let mut rows = relations.rows(self.number, &self.stray, &domain.displaced(self.number, shift_m));
+        // The rows hold for the displaced position, which is the sum of the position and the displacement.
+        for row in &mut rows {
+            for axis in 0..2 {
+                match row.coefficient(Variable::Pose(self.number, axis)) {
+                    0.0 => {}
+                    coefficient => row.terms.push((Variable::Shift(self.number, axis), coefficient)),
+                }
+            }
+        }
+        rows
+    }
+}

@@ -1,0 +1,118 @@
+//! Tests of key frames: hundreds of seconds, and readings that are displaced.
+
+use interval::IntervalBox;
+
+use super::*;
+use crate::graph::{
+    Hull, Row,
+    trial::{Draw, Drive, reach, robot, wheels},
+};
+
+#[test]
+fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_what_adds_up() {
+    for round in 0..6 {
+        let mut draw = Draw::new(20_261_127 + round);
+        let drive = Drive::new(&mut draw, true, 260.0, 120);
+        let history = drive.history(true);
+        let mut frames = KeyFrames::new(&robot());
+        let around = |at: f64, half: f64, draw: &mut Draw| {
+            let off = draw.within(Interval::centred(0.0, half));
+            Interval::centred(at + off, half * (1.0 + 1e-9))
+        };
+        let mut widths_m = Vec::new();
+        for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate() {
+            // The heading is known to 10 mrad at each key frame, as by walls, the position to 1 mm at the first one and to 2 m at the others.
+            let half_m = if at == 0 { 0.001 } else { 2.0 };
+            let pose = [(0, half_m), (1, half_m), (2, 0.01)].map(|(axis, half)| around(truth[axis], half, &mut draw));
+            frames.push(stamp_s, IntervalBox::from(pose), Stray::default(), None);
+            if let Some([from_s, to_s]) = frames.span_before_latest_s() {
+                let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
+                let way = history.way(from_s, to_s, &wheels(), &reach()).filter(|_| round % 2 == 0);
+                frames.set_latest(way, flow.filter(|_| round % 3 < 2), Stray::default());
+            }
+            assert!(frames.frames.len() <= MOST);
+            let number = frames.latest_number();
+            let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
+            let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);
+            while !hull.advance() {}
+            let bounds = hull.bounds().unwrap();
+            for (axis, bound) in bounds.iter().enumerate() {
+                assert!(
+                    bound.inflate(1e-6).contains(truth[axis]),
+                    "round {round}, {stamp_s} s: {} not in {bound}",
+                    truth[axis]
+                );
+            }
+            frames.narrow_latest(&IntervalBox::from([bounds[0], bounds[1], bounds[2]]));
+            widths_m.push(bounds[0].width().max(bounds[1].width()));
+        }
+        let last_m = widths_m[widths_m.len() - 1];
+        // By the flow sensor: 0.4 % of a path of at most 0.5 m/s on either side, and a few millimetres for each way. Headings that are off by 10
+        // mrad on every way, all to the same side, would add twice 1 % of the path.
+        let path_m: f64 = drive.path_m;
+        assert!(round % 3 == 2 || last_m < 2.0 * 0.0085 * path_m, "round {round}: {last_m} m after {path_m} m");
+    }
+}
+
+/// A reading of the position, displaced by at most 1 cm.
+struct Displaced([f64; 2]);
+
+impl Relations for Displaced {
+    fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        Vec::new()
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        0.0
+    }
+
+    fn shift_m(&self, _stray: &Stray) -> f64 {
+        0.01
+    }
+
+    fn rows(&self, frame: usize, _stray: &Stray, domain: &Domain) -> Vec<Row> {
+        let row = |axis: usize| {
+            let position = Variable::Pose(frame, axis);
+            let sides = Interval::point(self.0[axis]) - domain.reference(position);
+            Row::new(domain, &[(position, Interval::ONE)], sides.inflate(1e-4))
+        };
+        vec![row(0), row(1)]
+    }
+}
+
+#[test]
+fn what_displaces_a_reading_displaces_neither_the_pose_nor_the_way() {
+    let mut draw = Draw::new(20_261_131);
+    for round in 0..20 {
+        let drive = Drive::new(&mut draw, true, 1.0, 2);
+        let history = drive.history(true);
+        let displaced =
+            |truth: &[f64; 3], course: f64| [truth[0] + 0.01 * course.cos(), truth[1] + 0.01 * course.sin()];
+        let courses = [0, 1].map(|_| draw.between(-3.2, 3.2));
+        // The bounds with readings of the position at both key frames, and those by the way alone.
+        let widths = [true, false].map(|is_read| {
+            let mut frames = KeyFrames::new(&robot());
+            for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate() {
+                let read = Displaced(displaced(truth, courses[at]));
+                // The first position is known to 1 mm, the second one to 0.1 m.
+                let half_m = if at == 0 { 0.001 } else { 0.1 };
+                let pose = [half_m, half_m, 0.001];
+                let pose = IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], pose[axis])));
+                frames.push(stamp_s, pose, Stray::default(), is_read.then(|| Arc::new(read) as _));
+            }
+            let [from_s, to_s] = frames.span_before_latest_s().unwrap();
+            let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
+            frames.set_latest(None, flow, Stray::default());
+            let number = frames.latest_number();
+            let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
+            let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);
+            while !hull.advance() {}
+            let bounds = hull.bounds().unwrap();
+            for (bound, truth) in bounds.iter().zip(drive.poses[1]) {
+                assert!(bound.inflate(1e-9).contains(truth), "round {round}: {truth} not in {bound}");
+            }
+            bounds[0].width().max(bounds[1].width())
+        });
+        assert!(widths[0] <= widths[1].min(0.0202) + 1e-6, "round {round}: {widths:?}");
+    }
+}
