@@ -149,6 +149,8 @@ fn an_unknown_figure_in_expect_is_refused_with_the_nearest_right_one() {
     assert_refused("figure", scene, &["`expect.availabilty_min = 0.9`", "unknown figure", "`availability_min`"]);
     let scene = blind_scene(10.0, "[expect]\nmetrics.colisions = 0\n");
     assert_refused("metric", scene, &["`expect.metrics.colisions = 0`", "unknown figure", "`metrics.collisions`"]);
+    let scene = blind_scene(10.0, "[expect]\nunsoundd = 0\n");
+    assert_refused("judgement", scene, &["`expect.unsoundd = 0`", "unknown figure", "`unsound`"]);
 }
 
 #[test]

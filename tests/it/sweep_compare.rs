@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
     artefacts::run_files,
-    campaign::comparison::{Comparison, Finding, Side, compare, quantile},
+    campaign::comparison::{Comparison, Demand, Finding, Side, compare, quantile},
     loading::SceneFile,
     run::{RunOptions, run},
     subject::IntervalLocalizer,
@@ -52,7 +52,7 @@ fn finding(comparison: &Comparison, name: &str) -> Finding {
 fn a_bound_five_percent_too_wide_is_worse_in_width_and_in_nothing_else() {
     let folder = folder("compare_wide");
     let sides = [1.0, 1.05].map(|scale| Side::load(&planted(&folder, &scale.to_string(), scale)).unwrap());
-    let comparison = compare(&sides[0], &sides[1], 0.99);
+    let comparison = compare(&sides[0], &sides[1], Demand::default());
     assert_eq!((comparison.n_pairs, comparison.n_seeds), (10, 10));
     for line in &comparison.lines {
         let is_width = line.compared.name.starts_with("width");
@@ -63,7 +63,7 @@ fn a_bound_five_percent_too_wide_is_worse_in_width_and_in_nothing_else() {
             assert!((ratio - 1.05).abs() < 1e-6, "{ratio}");
         }
     }
-    let back = compare(&sides[1], &sides[0], 0.99);
+    let back = compare(&sides[1], &sides[0], Demand::default());
     assert_eq!(finding(&back, "width in x"), Finding::Better);
     assert!(!back.is_worse() && comparison.is_worse());
 }
@@ -72,7 +72,7 @@ fn a_bound_five_percent_too_wide_is_worse_in_width_and_in_nothing_else() {
 fn a_bound_five_percent_too_tight_is_found_to_lose_the_truth() {
     let folder = folder("compare_tight");
     let (sound, tight) = (planted(&folder, "sound", 1.0), planted(&folder, "tight", 0.95));
-    let comparison = compare(&Side::load(&sound).unwrap(), &Side::load(&tight).unwrap(), 0.99);
+    let comparison = compare(&Side::load(&sound).unwrap(), &Side::load(&tight).unwrap(), Demand::default());
     assert_eq!(finding(&comparison, "contained"), Finding::Worse);
     assert_eq!(finding(&comparison, "width in x"), Finding::Better, "it looks better where it must not count");
     // The simulated errors are as great as their bounds allow, so that the robot starts at the edge of its start box: a box that is 5 % too tight
@@ -125,8 +125,10 @@ fn chance_is_taken_for_a_difference_no_more_often_than_the_confidence_allows() {
     let trials = 1000;
     let mut wrong = 0;
     for _ in 0..trials {
-        let comparison = compare(&noisy(&mut noise, 6), &noisy(&mut noise, 6), 0.9);
-        wrong += usize::from(comparison.lines.iter().any(|line| line.finding != Finding::NotDistinguishable));
+        let comparison =
+            compare(&noisy(&mut noise, 6), &noisy(&mut noise, 6), Demand { confidence: 0.9, ..Demand::default() });
+        let is_told = |finding: Finding| matches!(finding, Finding::Better | Finding::Worse);
+        wrong += usize::from(comparison.lines.iter().any(|line| is_told(line.finding)));
     }
     // Both results contain nothing but noise. With a confidence of 90 %, a difference may be reported in at most 100 of the 1000 trials; three
     // standard deviations of chance are 28 more.
@@ -144,16 +146,59 @@ fn settings_that_share_a_seed_are_one_witness() {
         }
         Side::parse(&text).unwrap()
     };
-    let comparison = compare(&table(0.0), &table(1.0), 0.99);
+    let comparison = compare(&table(0.0), &table(1.0), Demand::default());
     assert_eq!((comparison.n_pairs, comparison.n_seeds), (10, 2));
     // There are two differences, 1.0 and 0.1 mm: their mean is 0.55 ± 0.45 · t, and t of one degree of freedom is above 60 here. If all ten cases
     // counted as independent, the finding would have been certain.
-    assert_eq!(finding(&comparison, "width in x"), Finding::NotDistinguishable);
+    assert_eq!(finding(&comparison, "width in x"), Finding::Inconclusive);
     let half_width_m = 0.5 * (comparison.lines[0].difference[1] - comparison.lines[0].difference[0]);
     // The expected half-width of the interval uses the quantile t(1 − 0.01/14, 1) of a confidence of 99 % shared by seven figures and two sides; it
     // is tan(π (1/2 − 0.01/14)), because the t distribution with one degree of freedom is Cauchy's.
     let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 14.0)).tan();
     assert!((half_width_m / expected_m - 1.0).abs() < 1e-6, "{half_width_m} {expected_m}");
+    assert!((comparison.lines[0].least_seen / expected_m - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn twenty_times_the_width_with_two_seeds_is_inconclusive_and_can_be_refused() {
+    let folder = folder("compare_few");
+    let table = |name: &str, widths_m: &[f64]| {
+        let rows = widths_m.iter().enumerate().map(|(seed, width_m)| format!("scene,{seed},done,{width_m}\n"));
+        let path = folder.join(name);
+        fs::write(&path, format!("scene,seed,status,width.x_m.mean\n{}", rows.collect::<String>())).unwrap();
+        path
+    };
+    let narrow = table("narrow.csv", &[0.025, 0.026]);
+    let wide = table("wide.csv", &[0.554, 0.310]);
+    let asked = |second: &Path, more: &[&str]| {
+        let paths = [narrow.to_str().unwrap(), second.to_str().unwrap()];
+        outcome(&mut wherein(&folder, &[&["compare"], &paths[..], more].concat()))
+    };
+    // Two differences, 0.529 and 0.284 m: their mean is 0.41 ± 0.12 · t, and t of one degree of freedom is above 400.
+    let (code, text, _) = asked(&wide, &[]);
+    assert!(code == 0 && text.contains("inconclusive") && text.contains("Too few seeds"), "{text}");
+    assert_eq!(asked(&wide, &["--fail-if-inconclusive"]).0, 1);
+    // The same results beside themselves leave nothing open.
+    let (code, text, _) = asked(&narrow, &["--fail-if-inconclusive"]);
+    assert!(code == 0 && !text.contains("inconclusive"), "{text}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_to_which_links_lead_in_a_circle_counts_once() {
+    let folder = folder("links_in_a_circle");
+    let scene = folder.join("scene.toml");
+    fs::write(&scene, blind_scene(0.2, "")).unwrap();
+    let (code, _, errors) =
+        outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..2", "--out", "all/runs"]));
+    assert_eq!(code, 0, "{errors}");
+    std::os::unix::fs::symlink("..", folder.join("all/runs/back")).unwrap();
+    std::os::unix::fs::symlink("runs", folder.join("all/again")).unwrap();
+    let (_, _, errors) = outcome(&mut wherein(&folder, &["report", "all"]));
+    let rows = fs::read_to_string(folder.join("all/results.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 2, "{rows} {errors}");
+    let (_, table, _) = outcome(&mut wherein(&folder, &["table", "all"]));
+    assert!(table.contains("| scene | 2 seeds | 42 |"), "{table}");
 }
 
 #[test]
@@ -177,10 +222,10 @@ fn a_case_that_ran_once_and_cannot_any_more_is_worse() {
     let side = |second: &str| {
         Side::parse(&format!("scene,seed,status,availability\nscene,0,done,1\nscene,1,{second},1\n")).unwrap()
     };
-    let comparison = compare(&side("done"), &side("failed"), 0.99);
+    let comparison = compare(&side("done"), &side("failed"), Demand::default());
     assert!(comparison.is_worse());
     assert_eq!(comparison.failed, ["scene seed 1"]);
-    assert!(!compare(&side("failed"), &side("done"), 0.99).is_worse());
+    assert!(!compare(&side("failed"), &side("done"), Demand::default()).is_worse());
 }
 
 #[test]
@@ -212,20 +257,23 @@ fn table(from: u64, changed: &str) -> Side {
 fn one_case_that_breaks_a_promise_is_worse_whatever_the_means_say() {
     // The results that are compared against have a failure themselves: in their last seed a bound is broken at some steps.
     let first = table(9, "true,0.9,0,0,100,0.01,0.01");
-    assert!(!compare(&first, &first, 0.99).is_worse());
-    let unsound = compare(&first, &table(9, "true,0.9,100,0,0,0.01,0.01"), 0.99);
+    assert!(!compare(&first, &first, Demand::default()).is_worse());
+    let unsound = compare(&first, &table(9, "true,0.9,100,0,0,0.01,0.01"), Demand::default());
     assert!(unsound.is_worse() && unsound.graver == ["scene seed 9"] && unsound.lost.is_empty());
-    assert!(compare(&first, &table(9, "true,0.9,0,1,99,0.01,0.01"), 0.99).is_worse(), "perception");
-    let lost = compare(&first, &table(8, "true,0.9,0,0,100,0.01,0.01"), 0.99);
+    assert!(compare(&first, &table(9, "true,0.9,0,1,99,0.01,0.01"), Demand::default()).is_worse(), "perception");
+    let lost = compare(&first, &table(8, "true,0.9,0,0,100,0.01,0.01"), Demand::default());
     assert_eq!((lost.lost.as_slice(), finding(&lost, "contained")), (&["scene seed 8".to_owned()][..], Finding::Worse));
-    let missed = compare(&first, &table(9, "false,0.9,0,0,100,0.01,0.01"), 0.99);
+    let missed = compare(&first, &table(9, "false,0.9,0,0,100,0.01,0.01"), Demand::default());
     assert!(missed.is_worse() && missed.missed == ["scene seed 9"]);
-    assert!(!compare(&table(9, "false,0.9,0,1,99,0.01,0.01"), &first, 0.99).is_worse(), "the other way round");
+    assert!(
+        !compare(&table(9, "false,0.9,0,1,99,0.01,0.01"), &first, Demand::default()).is_worse(),
+        "the other way round"
+    );
 }
 
 #[test]
 fn a_box_that_is_wider_in_y_alone_is_worse() {
-    let wider = compare(&table(10, ""), &table(0, "true,1,0,0,0,0.01,0.02"), 0.99);
+    let wider = compare(&table(10, ""), &table(0, "true,1,0,0,0,0.01,0.02"), Demand::default());
     assert_eq!(
         (finding(&wider, "width in x"), finding(&wider, "width in y")),
         (Finding::NotDistinguishable, Finding::Worse)
@@ -235,11 +283,11 @@ fn a_box_that_is_wider_in_y_alone_is_worse() {
 #[test]
 fn what_is_not_told_any_more_is_not_taken_for_unchanged() {
     let (whole, nan) = (table(10, ""), table(9, "true,1,0,0,0,NaN,0.01"));
-    let comparison = compare(&whole, &nan, 0.99);
+    let comparison = compare(&whole, &nan, Demand::default());
     assert!(comparison.is_worse() && comparison.half_known == ["width.x_m.mean"]);
     let mut fewer = table(10, "");
     fewer.cases.pop_last();
-    let comparison = compare(&whole, &fewer, 0.99);
+    let comparison = compare(&whole, &fewer, Demand::default());
     assert!(comparison.is_worse() && comparison.unpaired[0] == ["scene seed 9"]);
-    assert!(!compare(&fewer, &whole, 0.99).is_worse());
+    assert!(!compare(&fewer, &whole, Demand::default()).is_worse());
 }

@@ -32,12 +32,14 @@ use crate::{
 
 mod digest;
 mod errands;
+mod found;
 mod marker_tables;
 mod poses;
 mod summary;
 
 pub(crate) use digest::estimates_digest;
 pub use digest::{program_digest, scene_digest};
+pub use found::run_folders;
 pub use summary::{Summary, Timing, width_by_bound};
 
 /// Reason why a run cannot be recorded. The error's text is phrased to follow "failed to".

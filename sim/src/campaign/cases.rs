@@ -1,14 +1,11 @@
 //! The cases of a sweep (one run each), or the runs below a folder, with their results. Tables, reports and comparisons are made from these results.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::{
-    artefacts::run_files::{self, RecordError, naming},
+    artefacts::run_files::{self, RecordError, run_folders},
     campaign::sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
     judge::figures::{Figures, figures},
     loading::{Setting, shown},
@@ -83,8 +80,10 @@ impl Results {
 
     /// Reads every run below a folder; the runs are ordered by scene, settings and seed.
     pub fn of_runs(folder: &Path) -> Result<Results, RecordError> {
-        let mut cases = Vec::new();
-        collect(folder, &mut cases)?;
+        // Sweeps below the folder are left out, as they are results of their own.
+        let folders = run_folders(folder, &|below| !below.join("sweep.json").exists())?;
+        let cases: Result<Vec<Option<CaseResult>>, RecordError> = folders.into_iter().map(case_of).collect();
+        let mut cases: Vec<CaseResult> = cases?.into_iter().flatten().collect();
         let order = |case: &CaseResult| (case.scene.clone(), case.label(), case.seed);
         cases.sort_by_cached_key(order);
         let mut scenes: Vec<&str> = cases.iter().map(|case| case.scene.as_str()).collect();
@@ -183,27 +182,17 @@ impl CaseResult {
     }
 }
 
-/// Collects the runs below `folder`. Sweeps below it are left out, as they are results of their own.
-fn collect(folder: &Path, cases: &mut Vec<CaseResult>) -> Result<(), RecordError> {
-    if let Some((summary, timing)) = run_files::read(folder)? {
-        let settings = timing["set"].as_array().into_iter().flatten().filter_map(|set| set.as_str()?.parse().ok());
-        cases.push(CaseResult {
-            id: String::new(),
-            scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
-            scene_path: timing["scene_path"].as_str().unwrap_or_default().into(),
-            settings: settings.collect(),
-            seed: summary["seed"].as_u64().unwrap_or_default(),
-            folder: folder.to_owned(),
-            recorded: Recorded::Done { summary, timing },
-        });
-        return Ok(());
-    }
-    for entry in naming("read the folder", folder, fs::read_dir(folder))? {
-        let path = naming("read the folder", folder, entry)?.path();
-        let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if path.is_dir() && !is_hidden && !path.join("sweep.json").exists() {
-            collect(&path, cases)?;
-        }
-    }
-    Ok(())
+/// The run that `folder` holds, as a case.
+fn case_of(folder: PathBuf) -> Result<Option<CaseResult>, RecordError> {
+    let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };
+    let settings = timing["set"].as_array().into_iter().flatten().filter_map(|set| set.as_str()?.parse().ok());
+    Ok(Some(CaseResult {
+        id: String::new(),
+        scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
+        scene_path: timing["scene_path"].as_str().unwrap_or_default().into(),
+        settings: settings.collect(),
+        seed: summary["seed"].as_u64().unwrap_or_default(),
+        folder,
+        recorded: Recorded::Done { summary, timing },
+    }))
 }

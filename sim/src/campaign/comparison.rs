@@ -24,6 +24,9 @@ pub use text::as_text;
 /// Default confidence with which all intervals of a comparison hold together.
 pub const CONFIDENCE: f64 = 0.99;
 
+/// Default share of the first set's mean by which a quantity may worsen unseen: what a reviewer of a change would hardly object to.
+pub const TOLERANCE: f64 = 0.1;
+
 /// Greatest relative difference of two results that counts as an error of rounding and is set to 0.
 const ROUNDING: f64 = 1e-9;
 
@@ -73,8 +76,10 @@ pub enum Finding {
     Better,
     /// In this quantity the second set of results is worse than the first.
     Worse,
-    /// The difference between the two sets of results may be chance, or there is none.
+    /// The difference between the two sets of results may be chance, or there is none; a worsening by more than is tolerated would have been seen.
     NotDistinguishable,
+    /// The difference between the two sets of results may be chance, and so may a worsening by more than is tolerated: there are too few seeds.
+    Inconclusive,
 }
 
 /// Comparison of two sets of results in one quantity.
@@ -86,6 +91,9 @@ pub struct Line {
     pub means: [f64; 2],
     /// Confidence interval of the mean difference, second set of results minus first; unbounded when there are too few seeds.
     pub difference: [f64; 2],
+    /// Least difference of the means that would be told from chance with the scatter and the number of seeds of these results, in the unit of
+    /// `results.csv`; infinite when there are too few seeds.
+    pub least_seen: f64,
     /// Whether the second set of results is better or worse in this quantity.
     pub finding: Finding,
 }
@@ -114,12 +122,27 @@ pub struct Comparison {
     pub half_known: Vec<&'static str>,
     /// Comparison in each single quantity.
     pub lines: Vec<Line>,
-    /// Confidence with which all intervals hold together.
-    pub confidence: f64,
+    /// How certain the comparison is to be.
+    pub demand: Demand,
 }
 
-/// Compares two sets of results. `confidence`, between 0 and 1, is the confidence with which all intervals hold together.
-pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
+/// How certain a comparison is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand {
+    /// Confidence with which all intervals hold together, between 0 and 1.
+    pub confidence: f64,
+    /// Greatest worsening that may stay unseen, as a share of the first set's mean.
+    pub tolerance: f64,
+}
+
+impl Default for Demand {
+    fn default() -> Self {
+        Demand { confidence: CONFIDENCE, tolerance: TOLERANCE }
+    }
+}
+
+/// Compares two sets of results.
+pub fn compare(first: &Side, second: &Side, demand: Demand) -> Comparison {
     let pairs: Vec<(&String, &load::Case, &load::Case)> =
         first.cases.iter().filter_map(|(name, case)| Some((name, case, second.cases.get(name)?))).collect();
     let knows = |side: &Side, name: &str| side.cases.contains_key(name) || side.not_run.contains(name);
@@ -140,7 +163,7 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
         pairs.iter().any(|(_, one, other)| one.figures.contains_key(figure) != other.figures.contains_key(figure))
     };
     let half_known = COMPARED.iter().map(|compared| compared.figure).filter(|figure| is_half_known(figure)).collect();
-    let lines = COMPARED.iter().filter_map(|compared| line(*compared, &pairs, confidence)).collect();
+    let lines = COMPARED.iter().filter_map(|compared| line(*compared, &pairs, demand)).collect();
     let mut seeds: Vec<u64> = pairs.iter().map(|(_, case, _)| case.seed).collect();
     seeds.sort_unstable();
     seeds.dedup();
@@ -155,7 +178,7 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
         failed: second.not_run.iter().filter(|name| first.cases.contains_key(*name)).cloned().collect(),
         half_known,
         lines,
-        confidence,
+        demand,
     };
     comparison.hold_to_the_guarantee();
     comparison
@@ -169,6 +192,11 @@ impl Comparison {
         refuting.iter().any(|cases| !cases.is_empty())
             || !self.half_known.is_empty()
             || self.lines.iter().any(|line| line.finding == Finding::Worse)
+    }
+
+    /// Whether too few seeds leave it open in some quantity whether the second set of results is worse by more than is tolerated.
+    pub fn is_inconclusive(&self) -> bool {
+        self.lines.iter().any(|line| line.finding == Finding::Inconclusive)
     }
 
     /// Replaces the statistical result for the share of steps with the truth in the box: a single case that lost the truth only in the second set
@@ -185,7 +213,7 @@ impl Comparison {
 }
 
 /// Compares both sets of results in one quantity; none when no case has a value of it in both sets.
-fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], confidence: f64) -> Option<Line> {
+fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], demand: Demand) -> Option<Line> {
     let mut by_seed: BTreeMap<u64, Vec<[f64; 2]>> = BTreeMap::new();
     for (_, one, other) in pairs {
         if let (Some(one_value), Some(other_value)) =
@@ -208,7 +236,11 @@ fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], confi
         .map(|[one, other]| other - one)
         .map(|difference| if difference.abs() <= rounding { 0.0 } else { difference })
         .collect();
-    let difference = interval(&differences, (1.0 - confidence) / COMPARED.len() as f64);
+    let difference = interval(&differences, (1.0 - demand.confidence) / COMPARED.len() as f64);
+    let [low, high] = difference;
+    let least_seen = 0.5 * (high - low);
+    // A worsening that the interval still allows.
+    let worst = if compared.less_is_better { high } else { -low };
     let finding = match (difference, compared.less_is_better) {
         ([low, _], less_is_better) if low > 0.0 => {
             if less_is_better {
@@ -224,9 +256,10 @@ fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], confi
                 Finding::Worse
             }
         }
+        _ if worst > demand.tolerance * means[0].abs() => Finding::Inconclusive,
         _ => Finding::NotDistinguishable,
     };
-    Some(Line { compared, means, difference, finding })
+    Some(Line { compared, means, difference, least_seen, finding })
 }
 
 /// Student's confidence interval of the mean of `differences`, which misses the true mean with probability `miss`: d̄ ± t(1 − miss/2, n − 1) s/√n.

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::{
     campaign::{
-        comparison::CONFIDENCE,
+        comparison::{CONFIDENCE, TOLERANCE},
         sweep::{Seeds, Shard, Variable},
     },
     run::FramesPolicy,
@@ -77,6 +77,13 @@ pub(super) struct CompareArguments {
     /// Probability with which all confidence intervals together hold the true differences.
     #[arg(long, value_name = "P", default_value_t = CONFIDENCE, value_parser = confidence)]
     pub(super) confidence: f64,
+    /// Greatest worsening that may stay unseen, in percent of the first side's mean. A figure that may be worse by more, though the difference may be
+    /// chance, is `inconclusive`: there are too few seeds.
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * TOLERANCE, value_parser = percent)]
+    pub(super) tolerance_percent: f64,
+    /// End with exit code 1 where a figure is inconclusive.
+    #[arg(long)]
+    pub(super) fail_if_inconclusive: bool,
 }
 
 /// Arguments for further output of the commands that have results.
@@ -92,10 +99,19 @@ Cases are paired by scene, settings and seed. Seeds are the independent witnesse
 the cases of each seed, and a paired t interval says whether their mean is zero. All intervals together hold with the
 confidence asked for. A side that contained the truth at every step is better than one that did not, whatever the interval.
 
+`least seen` is the least difference that these seeds would tell from chance: with more seeds it shrinks.
+
 Exit code: 0 nothing is worse, 1 something is or could not run any more, 2 could not compare.";
 
 fn confidence(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|p| (0.5..1.0).contains(p)).ok_or_else(|| "expected a number from 0.5 to 1".to_owned())
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|percent: &f64| *percent >= 0.0 && percent.is_finite())
+        .ok_or_else(|| "expected a number from 0".to_owned())
 }
 
 const SWEEP_AFTER_HELP: &str = "\

@@ -1,15 +1,12 @@
 //! `wherein table`: a Markdown table of recorded runs.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::PathBuf};
 
 use clap::Args;
 
 use crate::artefacts::{
     result_table::{Kind, Outcome, as_markdown, lines},
-    run_files::{self, naming},
+    run_files::{self, naming, run_folders},
 };
 
 use super::{CommandError, print};
@@ -42,7 +39,11 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
     let mut outcomes = Vec::new();
     for folder in &arguments.folders {
         let before = outcomes.len();
-        collect(folder, &mut outcomes)?;
+        for run in run_folders(folder, &|_| true)? {
+            if let Some((summary, timing)) = run_files::read(&run)? {
+                outcomes.push(Outcome::of(&summary, &timing));
+            }
+        }
         if outcomes.len() == before {
             return Err(CommandError::NoResults(folder.clone()));
         }
@@ -52,21 +53,6 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
     let text = naming("read", document, fs::read_to_string(document))?;
     let updated = with_tables(&text, &outcomes).ok_or_else(|| CommandError::NoMarkers(document.clone()))?;
     Ok(naming("write", document, fs::write(document, updated))?)
-}
-
-fn collect(folder: &Path, outcomes: &mut Vec<Outcome>) -> Result<(), CommandError> {
-    if let Some((summary, timing)) = run_files::read(folder)? {
-        outcomes.push(Outcome::of(&summary, &timing));
-        return Ok(());
-    }
-    for entry in naming("read the folder", folder, fs::read_dir(folder))? {
-        let path: PathBuf = naming("read the folder", folder, entry)?.path();
-        let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if path.is_dir() && !is_hidden {
-            collect(&path, outcomes)?;
-        }
-    }
-    Ok(())
 }
 
 /// Returns the document with a results table between each pair of marker lines; `None` when there is no such pair, or when one of a pair is missing.

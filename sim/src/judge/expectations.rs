@@ -108,7 +108,10 @@ impl Expect {
         let mut unknown = Vec::new();
         for (name, limit) in self.named_limits() {
             if resolve(&name, &known).is_none() {
-                let expected = match nearest(&name, known.iter().map(String::as_str)) {
+                // A name without a point is more like the shorthands than like any figure's whole name.
+                let names = SHORTHAND.into_iter().chain(known.iter().map(String::as_str));
+                let stem = ["_max", "_min"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
+                let expected = match nearest(stem, names) {
                     Some(meant) => format!("unknown figure, expected `{meant}`, `{meant}_max` or `{meant}_min`?"),
                     None => "unknown figure, expected one of those in summary.json".to_owned(),
                 };

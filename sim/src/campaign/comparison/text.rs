@@ -8,17 +8,18 @@ const MOST_NAMED: usize = 10;
 /// Writes a comparison of two sets of results as text: a line for each compared quantity, then the cases in which the second set lost or regained the
 /// truth.
 pub fn as_text(comparison: &Comparison) -> String {
-    let headings = ["figure", "first", "second", "difference", "interval", "second is"].map(str::to_owned);
-    let rows: Vec<[String; 6]> = [headings].into_iter().chain(comparison.lines.iter().map(row)).collect();
+    let headings =
+        ["figure", "first", "second", "difference", "interval", "least seen", "second is"].map(str::to_owned);
+    let rows: Vec<[String; 7]> = [headings].into_iter().chain(comparison.lines.iter().map(row)).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; 6] = std::array::from_fn(width);
+    let widths: [usize; 7] = std::array::from_fn(width);
     let mut text = String::new();
     for row in &rows {
         let cell = |column: usize| {
             let (cell, width) = (&row[column], widths[column]);
-            if [0, 5].contains(&column) { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            if [0, 6].contains(&column) { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         };
-        text += format!("  {}", (0..6).map(cell).collect::<Vec<_>>().join("  ")).trim_end();
+        text += format!("  {}", (0..7).map(cell).collect::<Vec<_>>().join("  ")).trim_end();
         text.push('\n');
     }
     text += &named("lost containment, which the first side kept", &comparison.lost);
@@ -31,24 +32,31 @@ pub fn as_text(comparison: &Comparison) -> String {
     text += &named("only in the second", second);
     let half_known: Vec<String> = comparison.half_known.iter().map(|figure| format!("`{figure}`")).collect();
     text += &named("figures that one side has no number for", &half_known);
-    let percent = comparison.confidence * 100.0;
+    let percent = comparison.demand.confidence * 100.0;
     text += &format!(
         "\n{} pairs of {} seeds; all intervals hold together with {percent} % confidence.\n",
         comparison.n_pairs, comparison.n_seeds
     );
+    if comparison.is_inconclusive() {
+        let tolerated = comparison.demand.tolerance * 100.0;
+        text += &format!(
+            "Too few seeds: where the finding is `inconclusive`, the second may be worse by more than {tolerated} % unseen.\n"
+        );
+    }
     if comparison.n_seeds < 2 {
         text += "One seed says nothing about others: run at least two, better ten.\n";
     }
     text
 }
 
-fn row(line: &Line) -> [String; 6] {
+fn row(line: &Line) -> [String; 7] {
     let (scale, unit) = (line.compared.scale, line.compared.unit);
     let show = |value: f64| format!("{:.4}", value * scale);
     let finding = match line.finding {
         Finding::Better => "better",
         Finding::Worse => "WORSE",
         Finding::NotDistinguishable => "not distinguishable",
+        Finding::Inconclusive => "inconclusive",
     };
     let [first, second] = line.means;
     [
@@ -57,6 +65,7 @@ fn row(line: &Line) -> [String; 6] {
         show(second),
         format!("{:+.4}", (second - first) * scale),
         format!("{:+.4} … {:+.4}", line.difference[0] * scale, line.difference[1] * scale),
+        format!("±{:.4}", line.least_seen * scale),
         finding.to_owned(),
     ]
 }
