@@ -3,7 +3,11 @@
 
 use serde_json::Value;
 
-use crate::judge::figures::{Figures, figures};
+use crate::{
+    artefacts::run_files::subject_of,
+    judge::figures::{Figures, figures},
+    subject::SubjectChoice,
+};
 
 mod columns;
 mod layout;
@@ -20,6 +24,8 @@ pub struct Outcome {
     pub scene: String,
     /// The run's seed.
     pub seed: u64,
+    /// Name of the localizer under test.
+    pub subject: String,
     /// Whether the scene's expectations were met.
     pub passed: bool,
     /// All figures that were measured in the run.
@@ -42,6 +48,8 @@ pub enum Kind {
 pub struct Line {
     /// Name of the scene.
     pub scene: String,
+    /// Name of the localizer under test; empty in a table of the usual localizer alone.
+    pub subject: String,
     /// What the line is about.
     pub kind: Kind,
     /// Text in the column that names the run: seed, number of seeds, or name of a method or baseline.
@@ -65,27 +73,41 @@ impl Outcome {
         Outcome {
             scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
             seed: summary["seed"].as_u64().unwrap_or_default(),
+            subject: subject_of(summary),
             passed: summary["verdict"]["passed"].as_bool().unwrap_or_default(),
             figures: measured,
         }
     }
+
+    /// The scene, and the localizer that it tested.
+    fn tested(&self) -> [&str; 2] {
+        [&self.scene, &self.subject]
+    }
 }
 
-/// The lines of the table for `outcomes`, grouped by scene in order of appearance. With `each_seed` every single run has a line of its own.
+/// The lines of the table for `outcomes`, grouped by scene and localizer in order of appearance. With `each_seed` every single run has a line of its own.
 pub fn lines(outcomes: &[Outcome], each_seed: bool) -> Vec<Line> {
-    let mut scenes: Vec<&str> = Vec::new();
+    let mut tested: Vec<[&str; 2]> = Vec::new();
     for outcome in outcomes {
-        if !scenes.contains(&outcome.scene.as_str()) {
-            scenes.push(&outcome.scene);
+        if !tested.contains(&outcome.tested()) {
+            tested.push(outcome.tested());
         }
     }
-    let of_scene = |scene: &str| outcomes.iter().filter(|outcome| outcome.scene == scene).collect::<Vec<_>>();
-    scenes.into_iter().flat_map(|scene| scene_lines(scene, &of_scene(scene), each_seed)).collect()
+    // Where every run tests the usual localizer, the table needs no column for its name.
+    let is_named = tested.iter().any(|[_, subject]| *subject != SubjectChoice::default().to_string());
+    let runs_of = |tested: [&str; 2]| outcomes.iter().filter(|one| one.tested() == tested).collect::<Vec<_>>();
+    let of = |[scene, subject]: [&str; 2]| {
+        let mut lines = scene_lines(scene, &runs_of([scene, subject]), each_seed);
+        lines.iter_mut().for_each(|line| line.subject = if is_named { subject.to_owned() } else { String::new() });
+        lines
+    };
+    tested.into_iter().flat_map(of).collect()
 }
 
 fn scene_lines(scene: &str, runs: &[&Outcome], each_seed: bool) -> Vec<Line> {
     let line = |kind: Kind, run: String, verdict: String, figures: Figures| Line {
         scene: scene.to_owned(),
+        subject: String::new(),
         kind,
         run,
         verdict,

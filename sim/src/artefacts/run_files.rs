@@ -40,7 +40,7 @@ mod summary;
 pub(crate) use digest::estimates_digest;
 pub use digest::{program_digest, scene_digest};
 pub use found::run_folders;
-pub use summary::{Summary, Timing, width_by_bound};
+pub use summary::{Summary, Timing, subject_of, width_by_bound};
 
 /// Reason why a run cannot be recorded. The error's text is phrased to follow "failed to".
 #[derive(Debug, Error)]

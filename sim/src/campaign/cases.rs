@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::{
-    artefacts::run_files::{self, RecordError, run_folders},
+    artefacts::run_files::{self, RecordError, run_folders, subject_of},
     campaign::sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
     judge::figures::{Figures, figures},
     loading::{Setting, shown},
+    subject::SubjectChoice,
 };
 
 mod csv_file;
@@ -17,7 +18,7 @@ mod parquet_file;
 mod command;
 mod table;
 
-pub use command::{Replay, program, quoted};
+pub use command::{Replay, program, quoted, subject_option};
 pub use csv_file::{from_csv, to_csv};
 #[cfg(feature = "parquet")]
 pub use parquet_file::to_parquet;
@@ -47,6 +48,8 @@ pub struct CaseResult {
     pub settings: Vec<Setting>,
     /// Seed of the run.
     pub seed: u64,
+    /// Name of the localizer under test.
+    pub subject: String,
     /// Folder with the files of the case.
     pub folder: PathBuf,
     /// Whether the case ran, and with what result.
@@ -73,18 +76,19 @@ impl Results {
             id: case.id,
             settings: case.settings,
             seed: case.seed,
+            subject: plan.subject.clone(),
         };
         let cases = meant.map(result).collect();
         Results { title: plan.scene.clone(), plan: Some(plan), cases }
     }
 
-    /// Reads every run below a folder; the runs are ordered by scene, settings and seed.
+    /// Reads every run below a folder; the runs are ordered by scene, localizer, settings and seed.
     pub fn of_runs(folder: &Path) -> Result<Results, RecordError> {
         // Sweeps below the folder are left out, as they are results of their own.
         let folders = run_folders(folder, &|below| !below.join("sweep.json").exists())?;
         let cases: Result<Vec<Option<CaseResult>>, RecordError> = folders.into_iter().map(case_of).collect();
         let mut cases: Vec<CaseResult> = cases?.into_iter().flatten().collect();
-        let order = |case: &CaseResult| (case.scene.clone(), case.label(), case.seed);
+        let order = |case: &CaseResult| (case.scene.clone(), case.subject.clone(), case.label(), case.seed);
         cases.sort_by_cached_key(order);
         let mut scenes: Vec<&str> = cases.iter().map(|case| case.scene.as_str()).collect();
         scenes.dedup();
@@ -174,10 +178,13 @@ impl CaseResult {
         setting.map(|setting| shown(&setting.value)).unwrap_or_default()
     }
 
-    /// Describes the case in one line for people: settings and seed, with the scene's name before them if `with_scene`.
+    /// Describes the case in one line for people: settings and seed, with the scene's name before them if `with_scene`, and the name of the localizer
+    /// unless it is the usual one.
     pub fn describe(&self, with_scene: bool) -> String {
         let scene = if with_scene { self.scene.clone() } else { String::new() };
-        let parts = [scene, self.label(), format!("seed {}", self.seed)];
+        let is_usual = self.subject == SubjectChoice::default().to_string();
+        let subject = if is_usual { String::new() } else { self.subject.clone() };
+        let parts = [scene, subject, self.label(), format!("seed {}", self.seed)];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
     }
 }
@@ -192,6 +199,7 @@ fn case_of(folder: PathBuf) -> Result<Option<CaseResult>, RecordError> {
         scene_path: timing["scene_path"].as_str().unwrap_or_default().into(),
         settings: settings.collect(),
         seed: summary["seed"].as_u64().unwrap_or_default(),
+        subject: subject_of(&summary),
         folder,
         recorded: Recorded::Done { summary, timing },
     }))

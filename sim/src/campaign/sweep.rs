@@ -19,6 +19,8 @@ mod workers;
 
 use std::{ops::Range, path::PathBuf};
 
+use crate::subject::SubjectChoice;
+
 pub use error::SweepError;
 pub use merge::merge;
 pub use plan::{Case, Plan, PlannedCase};
@@ -37,4 +39,6 @@ pub struct Sweep {
     pub vary: Vec<Variable>,
     /// Seeds with which each combination of the keys' values runs.
     pub seeds: Range<u64>,
+    /// The localizer that the sweep tests.
+    pub subject: SubjectChoice,
 }

@@ -10,6 +10,7 @@ use crate::{
         sweep::{Seeds, Shard, Variable},
     },
     run::FramesPolicy,
+    subject::SubjectChoice,
 };
 
 /// Arguments of `wherein sweep`.
@@ -25,6 +26,9 @@ pub(super) struct SweepArguments {
     /// Seeds with which each combination of the keys' values runs, A included and B not.
     #[arg(long, value_name = "A..B")]
     pub(super) seeds: Option<Seeds>,
+    /// Localizer to test: intervals, the project's own.
+    #[arg(long, value_name = "NAME", default_value_t)]
+    pub(super) subject: SubjectChoice,
     /// Number of runs at the same time. By default the number of processor cores.
     #[arg(long, value_name = "N")]
     pub(super) jobs: Option<NonZeroUsize>,

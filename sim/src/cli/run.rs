@@ -14,7 +14,7 @@ use crate::{
         run_files::{self, program_digest, scene_digest},
     },
     campaign::{
-        cases::{CaseResult, Results, program, quoted},
+        cases::{CaseResult, Results, program, quoted, subject_option},
         report::Overview,
         sweep,
     },
@@ -22,7 +22,8 @@ use crate::{
     loading::SceneFile,
     render::Renderer,
     run::{FramesPolicy, RunOptions, run_otherwise, run_witnessed},
-    subject::IntervalLocalizer,
+    scene::Scene,
+    subject::{SubjectChoice, subject},
 };
 
 use super::{CommandError, conclude::write_junit, github::tell_github, print, scenes_and_seeds::ScenesAndSeeds};
@@ -33,6 +34,9 @@ use super::{CommandError, conclude::write_junit, github::tell_github, print, sce
 pub(super) struct RunArguments {
     #[command(flatten)]
     which: ScenesAndSeeds,
+    /// Localizer to test: intervals, the project's own.
+    #[arg(long, value_name = "NAME", default_value_t)]
+    subject: SubjectChoice,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
@@ -138,11 +142,11 @@ fn run_one(
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
-    let mut subject = IntervalLocalizer::of(&file.scene);
+    let mut tested = subject(&arguments.subject, &file.scene);
     let run_record = run_witnessed(
         &file.scene,
         seed,
-        &mut subject,
+        &mut *tested,
         renderer.as_deref_mut(),
         &options,
         &mut witnesses,
@@ -159,7 +163,7 @@ fn run_one(
         let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
         bar.inc_length(milliseconds(lasts_s));
         let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
-        let subject_of = &IntervalLocalizer::boxed;
+        let subject_of = &|told: &Scene| subject(&arguments.subject, told);
         let again = run_otherwise(&file.scene, &run_record, asked, subject_of, renderer.as_deref_mut(), &mut progress);
         bar.set_position(start + milliseconds(lasts_s));
         again
@@ -189,6 +193,7 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
         return Ok(None);
     }
     let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()
+        && summary["subject"] == arguments.subject.to_string().as_str()
         && program_digest().is_some_and(|program| timing["program"] == program);
     if is_same { read_back(file, folder) } else { Ok(None) }
 }
@@ -209,6 +214,7 @@ fn results(recorded: &[Recorded]) -> Results {
         scene_path: one.file.path.clone(),
         settings: one.file.settings.clone(),
         seed: one.outcome.seed,
+        subject: one.outcome.subject.clone(),
         folder: one.folder.clone(),
         recorded: sweep::Recorded::Done { summary: one.summary.clone(), timing: one.timing.clone() },
     };
@@ -255,10 +261,11 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     text += &format!("  recorded in {}\n", one.folder.display());
     text += &format!(
-        "  replay: {} run {}{} --seed {} --frames failures --out {}\n",
+        "  replay: {} run {}{}{} --seed {} --frames failures --out {}\n",
         program,
         quoted(&one.file.path.display().to_string()),
         arguments.which.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
+        subject_option(&one.outcome.subject),
         one.outcome.seed,
         quoted(&arguments.out.display().to_string()),
     );

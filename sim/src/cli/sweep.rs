@@ -17,6 +17,7 @@ use crate::{
     },
     loading::SceneTemplate,
     render::Renderer,
+    subject::SubjectChoice,
 };
 
 use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};
@@ -40,7 +41,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     let todo: Vec<&Case> = meant.iter().copied().filter(|case| !is_recorded(case)).collect();
     let jobs = arguments.jobs.map_or_else(cores, usize::from);
     let began = Instant::now();
-    run_all(Work { cases: &todo, jobs, frames: arguments.frames, renderer, store: &store })?;
+    run_all(Work { cases: &todo, subject: &sweep.subject, jobs, frames: arguments.frames, renderer, store: &store })?;
     say(&Ran { todo: &todo, n_meant: meant.len(), took: began.elapsed() }.to_string());
     let results = Results::of_sweep(&out, plan, &|index| shard.holds(index));
     conclude(&results, &out, &arguments.outputs)
@@ -57,9 +58,14 @@ pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, Comm
 /// Returns the sweep that a sweep file and the command line state together.
 fn asked(arguments: &SweepArguments) -> Result<Sweep, SweepError> {
     let from_file = Sweep::load(&arguments.scene)?;
-    let mut sweep =
-        from_file.unwrap_or_else(|| Sweep { scene: arguments.scene.clone(), vary: Vec::new(), seeds: 0..1 });
+    let mut sweep = from_file.unwrap_or_else(|| Sweep {
+        scene: arguments.scene.clone(),
+        vary: Vec::new(),
+        seeds: 0..1,
+        subject: SubjectChoice::default(),
+    });
     sweep.vary.extend(arguments.vary.iter().cloned());
+    sweep.subject = arguments.subject.clone();
     if let Some(Seeds(seeds)) = &arguments.seeds {
         sweep.seeds = seeds.clone();
     }

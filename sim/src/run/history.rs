@@ -19,6 +19,8 @@ use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, Range
 pub struct RunRecord {
     /// Seed of the run.
     pub seed: u64,
+    /// Name of the localizer under test, for the results alone.
+    pub subject: String,
     /// Graphics adapter that rendered the images, if any image was rendered.
     pub adapter: Option<String>,
     /// True values that were drawn at random before the start of the run.
@@ -172,6 +174,7 @@ impl RunRecord {
     pub fn new(seed: u64, adapter: Option<String>, drawn: Drawn) -> Self {
         RunRecord {
             seed,
+            subject: String::new(),
             adapter,
             drawn,
             truths: Vec::new(),

@@ -135,6 +135,7 @@ impl Simulation<'_> {
         let Otherwise { world: scene, told, drawn } = &self.otherwise;
         let adapter = renderer.as_deref().map(Renderer::adapter);
         let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
+        record.history.subject = subject.name().to_owned();
         record.asks_baselines = self.commands.is_none();
         let built = scene.as_built(&drawn.place);
         let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;

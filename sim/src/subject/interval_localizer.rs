@@ -37,6 +37,10 @@ impl From<Localizer> for IntervalLocalizer {
 }
 
 impl Subject for IntervalLocalizer {
+    fn name(&self) -> &str {
+        "intervals"
+    }
+
     fn start(&mut self, start: &PoseBox) {
         self.localizer.restart(*start);
     }

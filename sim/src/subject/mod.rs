@@ -1,6 +1,7 @@
 //! The subject of a run: a localizer under test, which is given the robot's readings and says where the robot is.
 
 mod interval_localizer;
+mod registry;
 mod told;
 
 use interval::Interval;
@@ -13,12 +14,18 @@ use localizer::{
 use crate::scene::Scene;
 
 pub use interval_localizer::IntervalLocalizer;
+pub use registry::{SubjectChoice, subject};
 
 /// A localizer under test. It learns about the world through its readings alone. What it may know beforehand, a map and the robot's nominal
 /// dimensions, it takes from [`Scene::map`] and [`Scene::robot_model`] when it is created.
 ///
 /// Times are seconds since the start of the present drive.
 pub trait Subject {
+    /// Name of the localizer in results, by which the results of several localizers are told apart. The judge does not know it.
+    fn name(&self) -> &str {
+        "unnamed"
+    }
+
     /// Starts a drive at time 0 with the robot somewhere in `start`: x and y in metres and heading in radians, in the world frame. It is
     /// called before the first reading, and again whenever the robot is placed at another station.
     fn start(&mut self, start: &PoseBox);

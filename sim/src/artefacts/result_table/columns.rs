@@ -29,8 +29,9 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 /// constrained the pose ("at fix"). "error / half" is |error| of the box's middle over half the box's width, after the first 5 s: the greatest ratio,
 /// and the ratio that one step in a thousand exceeds; over several runs, that of the run where it is greatest. A method's "of position" and "of
 /// heading" are its shares of all the times that methods halved the box's widths.
-pub(super) const COLUMNS: [Column; 29] = [
+pub(super) const COLUMNS: [Column; 30] = [
     text("scene", |line| line.scene.clone()),
+    text("localizer", |line| line.subject.clone()),
     text(RUN, |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
     number("contained", "%", |line| share(line.figures.get("containment.contained_share"))),

@@ -10,6 +10,7 @@ use crate::{
     judge::Verdict,
     loading::{SceneFile, Setting},
     run::{self, RunRecord},
+    subject::SubjectChoice,
 };
 
 use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
@@ -21,6 +22,8 @@ pub struct Summary<'a> {
     pub scene: &'a str,
     /// Seed of the run.
     pub seed: u64,
+    /// Name of the localizer under test.
+    pub subject: &'a str,
     /// Version of Wherein.
     pub version: &'static str,
     /// Graphics adapter that rendered the images, if any were rendered.
@@ -57,6 +60,7 @@ impl<'a> Summary<'a> {
         Summary {
             scene: &file.name,
             seed: record.seed,
+            subject: &record.subject,
             version: env!("CARGO_PKG_VERSION"),
             adapter: record.adapter.as_deref(),
             duration_s: duration_s(record),
@@ -127,6 +131,11 @@ pub fn width_by_bound(record: &RunRecord) -> BTreeMap<&'static str, BTreeMap<&'s
         }
     }
     axes
+}
+
+/// Name of the localizer that a summary is about. A summary without a name was written when there was only one.
+pub fn subject_of(summary: &Value) -> String {
+    summary["subject"].as_str().map_or_else(|| SubjectChoice::default().to_string(), str::to_owned)
 }
 
 /// Everything that `timing.json` holds.

@@ -2,6 +2,8 @@
 
 use std::{env, fmt};
 
+use crate::subject::SubjectChoice;
+
 use super::CaseResult;
 
 /// A shell command that runs one case again and writes its debug frames, the pictures that show what the vision found in camera images.
@@ -15,6 +17,9 @@ impl Replay {
         words.extend(["run".to_owned(), case.scene_path.display().to_string()]);
         for setting in &case.settings {
             words.extend(["--set".to_owned(), setting.to_string()]);
+        }
+        if case.subject != SubjectChoice::default().to_string() {
+            words.extend(["--subject".to_owned(), case.subject.clone()]);
         }
         words.extend(["--seed".to_owned(), case.seed.to_string()]);
         // In a case that passed and never lost the truth there is no failure to draw, so that a debug frame of every 20th image is asked for.
@@ -42,6 +47,11 @@ pub fn program() -> Vec<String> {
         words.extend(value.map(|value| format!("--adapter={value}")));
     }
     words
+}
+
+/// The option that chooses the localizer of this name, with a blank before it; empty for the localizer that is tested without the option.
+pub fn subject_option(name: &str) -> String {
+    if name == SubjectChoice::default().to_string() { String::new() } else { format!(" --subject {}", quoted(name)) }
 }
 
 /// Quotes `text` so that a POSIX shell reads it as one word.

@@ -48,7 +48,7 @@ const OUTCOME: [&str; 10] = [
     "violated_bounds",
 ];
 /// Names of the last columns of the table of results.
-const ORIGIN: [&str; 4] = ["version", "adapter", "digest.scene", "digest.estimates"];
+const ORIGIN: [&str; 5] = ["subject", "version", "adapter", "digest.scene", "digest.estimates"];
 
 impl Table {
     /// Creates the table of `results`. The row of a case that did not run has no numerical results.
@@ -126,10 +126,11 @@ fn violated_bounds(case: &CaseResult) -> String {
     names.into_iter().collect::<Vec<_>>().join(" ")
 }
 
-fn origin(case: &CaseResult) -> [Cell; 4] {
+fn origin(case: &CaseResult) -> [Cell; 5] {
     let summary = case.summary().unwrap_or(&Value::Null);
     let said = |value: &Value| value.as_str().map_or(Cell::Empty, text);
     [
+        text(&case.subject),
         said(&summary["version"]),
         said(&summary["adapter"]),
         said(&summary["digest"]["scene"]),

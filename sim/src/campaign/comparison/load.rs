@@ -17,7 +17,8 @@ use crate::{
     judge::figures::Figures,
 };
 
-/// One of the two sets of results that are compared: its cases, named by scene, settings and seed.
+/// One of the two sets of results that are compared: its cases, named by scene, settings and seed, and by the localizer where it
+/// tests several.
 #[derive(Clone, Debug, Default)]
 pub struct Side {
     /// Cases that ran, by name.
@@ -73,13 +74,18 @@ impl Side {
         let (columns, rows) = from_csv(text)?;
         let column = |name: &str| columns.iter().position(|column| column == name).ok_or(format!("no column `{name}`"));
         let (scene, seed, status) = (column("scene")?, column("seed")?, column("status")?);
+        // A side that tests several localizers has several cases of one scene, settings and seed; one with a single localizer is compared with the other
+        // side whatever localizer that tests.
+        let subject = columns.iter().position(|column| column == "subject");
+        let subject = subject.filter(|subject| rows.iter().any(|row| row[*subject] != rows[0][*subject]));
         let passed = columns.iter().position(|column| column == "passed");
         let settings: Vec<usize> = (0..columns.len()).filter(|index| columns[*index].starts_with("set.")).collect();
         let mut side = Side::default();
         for row in &rows {
             let set = settings.iter().filter(|index| !row[**index].is_empty());
             let set: Vec<String> = set.map(|index| format!("{}={} ", &columns[*index][4..], row[*index])).collect();
-            let name = format!("{} {}seed {}", row[scene], set.concat(), row[seed]);
+            let tested = subject.map(|subject| format!("{} ", row[subject])).unwrap_or_default();
+            let name = format!("{} {tested}{}seed {}", row[scene], set.concat(), row[seed]);
             let seed = row[seed].parse().map_err(|_| format!("`seed` is `{}`, expected a whole number", row[seed]))?;
             if row[status] != "done" {
                 side.not_run.insert(name);

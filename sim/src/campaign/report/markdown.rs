@@ -43,6 +43,7 @@ pub fn as_markdown(overview: &Overview, results: &Results) -> String {
 fn table(overview: &Overview) -> String {
     let mut headings: Vec<String> = Vec::new();
     headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
+    headings.extend(overview.has_subjects.then(|| "localizer".to_owned()));
     headings.extend(overview.keys.iter().cloned());
     headings.push("passed".to_owned());
     headings.extend(overview.measures().map(|measure| format!("{}, {}", measure.name, measure.unit)));
@@ -50,6 +51,7 @@ fn table(overview: &Overview) -> String {
     let row = |group: &Group| {
         let mut cells: Vec<String> = Vec::new();
         cells.extend(overview.has_scenes.then(|| inline(&group.scene)));
+        cells.extend(overview.has_subjects.then(|| inline(&group.subject)));
         cells.extend(overview.keys.iter().map(|key| inline(&group.value(key))));
         cells.push(format!("{}/{}", group.n_passed, group.n_cases));
         cells.extend(overview.measures().map(|measure| measure.of(&group.figures)));

@@ -21,21 +21,25 @@ pub struct Overview {
     pub n_missing: usize,
     /// Whether the cases belong to more than one scene.
     pub has_scenes: bool,
+    /// Whether the cases test more than one localizer.
+    pub has_subjects: bool,
     /// Scene keys that have several values among the cases, in the order of the sweep.
     pub keys: Vec<String>,
     /// Numerical results pooled over all cases.
     pub figures: Figures,
-    /// One group for each combination of scene and settings, in the order of the sweep.
+    /// One group for each combination of scene, localizer and settings, in the order of the sweep.
     pub groups: Vec<Group>,
     /// Indices of the cases that ran, the worst first.
     pub worst: Vec<usize>,
 }
 
-/// The cases of all seeds of one combination of scene and settings.
+/// The cases of all seeds of one combination of scene, localizer and settings.
 #[derive(Clone, Debug)]
 pub struct Group {
     /// Name of the scene of the combination.
     pub scene: String,
+    /// Name of the localizer under test.
+    pub subject: String,
     /// Keys that are set in the scene, with their values.
     pub settings: Vec<Setting>,
     /// Number of cases of the combination.
@@ -68,6 +72,7 @@ impl Overview {
             n_missed: results.missed().count(),
             n_failed: results.failed().count(),
             n_missing: results.missing().count(),
+            has_subjects: groups.iter().any(|group| group.subject != groups[0].subject),
             has_scenes: groups.iter().any(|group| group.scene != groups[0].scene),
             keys: results.keys().into_iter().filter(varies).collect(),
             figures: pool(&ran),
@@ -129,11 +134,16 @@ impl Group {
 fn groups(results: &Results) -> Vec<Group> {
     let mut groups: Vec<(Group, Vec<Figures>)> = Vec::new();
     for case in &results.cases {
-        let belongs = |group: &Group| group.scene == case.scene && group.settings == case.settings;
+        let belongs = |group: &Group| {
+            group.scene == case.scene && group.subject == case.subject && group.settings == case.settings
+        };
         // Cases of one combination of settings follow each other, so that a case belongs to the last group or begins a new one.
         if !groups.last().is_some_and(|(group, _)| belongs(group)) {
-            let (scene, settings) = (case.scene.clone(), case.settings.clone());
-            groups.push((Group { scene, settings, n_cases: 0, n_passed: 0, figures: Figures::new() }, Vec::new()));
+            let (scene, subject, settings) = (case.scene.clone(), case.subject.clone(), case.settings.clone());
+            groups.push((
+                Group { scene, subject, settings, n_cases: 0, n_passed: 0, figures: Figures::new() },
+                Vec::new(),
+            ));
         }
         let Some((group, ran)) = groups.last_mut() else { continue };
         group.n_cases += 1;

@@ -199,12 +199,14 @@ fn groups(overview: &Overview) -> Markup {
         div.table { table {
             thead { tr {
                 @if overview.has_scenes { th.text { "scene" } }
+                @if overview.has_subjects { th.text { "localizer" } }
                 @for key in &overview.keys { th.text { (key) } }
                 th { "passed" }
                 @for measure in overview.measures() { th { (measure.name) ", " (measure.unit) } }
             } }
             tbody id="combinations" { @for group in overview.groups.iter().take(MOST_ROWS) { tr {
                 @if overview.has_scenes { td.text { (group.scene) } }
+                @if overview.has_subjects { td.text { (group.subject) } }
                 @for key in &overview.keys { td.text { (group.value(key)) } }
                 td.bad[group.n_passed < group.n_cases] { (group.n_passed) "/" (group.n_cases) }
                 @for measure in overview.measures() { td { (measure.of(&group.figures)) } }
@@ -247,6 +249,7 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
             div.table { table {
                 thead { tr {
                     @if overview.has_scenes { th.text { "scene" } }
+                    @if overview.has_subjects { th.text { "localizer" } }
                     @for key in &overview.keys { th.text { (key) } }
                     th { "seed" } th { "verdict" }
                     @for measure in overview.measures() { th { (measure.name) ", " (measure.unit) } }
@@ -256,6 +259,7 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
                     @let figures = case.figures();
                     tr {
                         @if overview.has_scenes { td.text { (case.scene) } }
+                        @if overview.has_subjects { td.text { (case.subject) } }
                         @for key in &overview.keys { td.text { (case.value(key)) } }
                         td { (case.seed) }
                         td.bad[case.passed() != Some(true)] { (verdict(case)) }

@@ -99,6 +99,7 @@ pub(super) fn greatest_parts(case: &CaseResult) -> Vec<String> {
 fn table(overview: &Overview) -> String {
     let mut headings: Vec<String> = Vec::new();
     headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
+    headings.extend(overview.has_subjects.then(|| "localizer".to_owned()));
     headings.extend(overview.keys.iter().cloned());
     let n_texts = headings.len();
     headings.push("passed".to_owned());
@@ -106,6 +107,7 @@ fn table(overview: &Overview) -> String {
     let row = |group: &Group| {
         let mut cells: Vec<String> = Vec::new();
         cells.extend(overview.has_scenes.then(|| group.scene.clone()));
+        cells.extend(overview.has_subjects.then(|| group.subject.clone()));
         cells.extend(overview.keys.iter().map(|key| group.value(key)));
         cells.push(format!("{}/{}", group.n_passed, group.n_cases));
         cells.extend(overview.measures().map(|measure| measure.of(&group.figures)));

@@ -7,7 +7,7 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use crate::artefacts::run_files::naming;
+use crate::{artefacts::run_files::naming, subject::SubjectChoice};
 
 use super::{Seeds, Sweep, SweepError, Variable, variable::values_of};
 
@@ -35,8 +35,8 @@ impl Sweep {
                 text.parse::<Seeds>().map_err(|expected| wrong(format!("`seeds = \"{text}\"`: {expected}")))?.0
             }
         };
-        let vary = variables(&text).map_err(wrong)?;
-        Ok(Some(Sweep { scene: path.parent().unwrap_or(Path::new("")).join(scene), vary, seeds }))
+        let (vary, subject) = (variables(&text).map_err(wrong)?, SubjectChoice::default());
+        Ok(Some(Sweep { scene: path.parent().unwrap_or(Path::new("")).join(scene), vary, seeds, subject }))
     }
 }
 

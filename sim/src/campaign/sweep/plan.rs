@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use crate::{
     artefacts::run_files::{program_digest, scene_digest},
     loading::{SceneFile, SceneTemplate, Setting},
+    subject::SubjectChoice,
 };
 
 use super::{Sweep, SweepError, Variable};
@@ -24,6 +25,9 @@ pub struct Plan {
     pub path: PathBuf,
     /// Digest of the scene as its file states it, without the values that vary.
     pub scene_digest: String,
+    /// Name of the localizer that the sweep tests; left out where it is the one that is tested without asking.
+    #[serde(default = "usual_subject", skip_serializing_if = "is_usual")]
+    pub subject: String,
     /// Scene keys that vary, with their values; the key that changes slowest from case to case comes first.
     pub vary: Vec<Variable>,
     /// First seed of the sweep, and the seed after the last one.
@@ -90,6 +94,7 @@ impl Plan {
             scene: file.name.clone(),
             path: file.path.clone(),
             scene_digest: scene_digest(&file.scene),
+            subject: sweep.subject.to_string(),
             vary: sweep.vary.clone(),
             seeds: [sweep.seeds.start, sweep.seeds.end],
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -131,6 +136,8 @@ impl Plan {
     /// Returns the name of a case: a digest of everything that determines the bytes of its results.
     fn id(&self, scene_digest: &str, settings: &[Setting], seed: u64) -> String {
         let mut hasher = Sha256::new();
+        // The localizer that is tested without asking adds nothing to the text.
+        let subject = if is_usual(&self.subject) { "" } else { &self.subject };
         // Each part of the hashed text ends with a zero byte, which no part contains, so that different parts cannot give the same sequence of bytes.
         for part in [
             scene_digest,
@@ -139,6 +146,7 @@ impl Plan {
             &self.version,
             self.program.as_deref().unwrap_or_default(),
             self.adapter.as_deref().unwrap_or_default(),
+            subject,
         ] {
             hasher.update(part.as_bytes());
             hasher.update([0]);
@@ -172,6 +180,15 @@ fn combinations(vary: &[Variable]) -> Vec<Vec<Setting>> {
         };
         combined.iter().flat_map(longer).collect()
     })
+}
+
+/// Name of the localizer that is tested without asking.
+fn usual_subject() -> String {
+    SubjectChoice::default().to_string()
+}
+
+fn is_usual(subject: &str) -> bool {
+    subject == usual_subject()
 }
 
 /// Lists settings as `key=value key=value`, or a phrase that stands for the scene without settings.

@@ -14,7 +14,8 @@ use crate::{
     judge::judge,
     render::Renderer,
     run::{FramesPolicy, RunOptions, run, run_otherwise},
-    subject::IntervalLocalizer,
+    scene::Scene,
+    subject::{SubjectChoice, subject},
 };
 
 use super::{Case, Store, SweepError};
@@ -23,6 +24,8 @@ use super::{Case, Store, SweepError};
 pub struct Work<'a> {
     /// Cases that are to run.
     pub cases: &'a [&'a Case],
+    /// The localizer that the runs test.
+    pub subject: &'a SubjectChoice,
     /// Number of worker threads.
     pub jobs: usize,
     /// Choice of the camera images for which debug frames, pictures of what the vision found, are written.
@@ -49,7 +52,7 @@ pub enum Finished {
 /// A run that panics is recorded as failed, and the other cases go on. An error of the graphics device or of the file system ends the
 /// sweep; cases recorded before stay recorded.
 pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(), SweepError> {
-    let Work { cases, jobs, frames, renderer, store } = work;
+    let Work { cases, subject, jobs, frames, renderer, store } = work;
     let renderers = renderers(renderer, jobs.clamp(1, cases.len().max(1)))?;
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let (sender, receiver) = mpsc::channel();
@@ -60,7 +63,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
             scope.spawn(move || {
                 while !stop.load(Ordering::Relaxed) {
                     let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    let outcome = run_case(case, frames, &mut renderer, store);
+                    let outcome = run_case(case, subject, frames, &mut renderer, store);
                     if outcome.is_err() {
                         stop.store(true, Ordering::Relaxed);
                     }
@@ -95,6 +98,7 @@ fn renderers(first: Option<Renderer>, jobs: usize) -> Result<Vec<Option<Renderer
 
 fn run_case(
     case: &Case,
+    choice: &SubjectChoice,
     frames: FramesPolicy,
     renderer: &mut Option<Renderer>,
     store: &Store,
@@ -103,10 +107,11 @@ fn run_case(
     let options = RunOptions { keep_images: frames };
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
-        let record = run(scene, case.planned.seed, &mut IntervalLocalizer::of(scene), used, &options, &mut |_| {})?;
+        let record = run(scene, case.planned.seed, &mut *subject(choice, scene), used, &options, &mut |_| {})?;
         let verdict = judge(scene, &record, &mut |asked| {
             let used = renderer.as_mut().filter(|_| scene.has_camera());
-            run_otherwise(scene, &record, asked, &IntervalLocalizer::boxed, used, &mut |_| {})
+            let subject_of = |told: &Scene| subject(choice, told);
+            run_otherwise(scene, &record, asked, &subject_of, used, &mut |_| {})
         })?;
         Ok::<_, SweepError>((record, verdict))
     }));
