@@ -7,6 +7,7 @@
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every box of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
+//! | `distribution.csv` | mean, covariance and normalised error at every step, for a localizer that states distributions |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
 //! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was given and answered, when asked for |
@@ -188,6 +189,9 @@ pub(crate) fn fill(
     write("estimate.tum", poses::estimate_tum(&record.estimates))?;
     write("boxes.csv", poses::boxes_csv(&record.estimates))?;
     write("steps.csv", poses::steps_csv(record, verdict))?;
+    if let Some(text) = poses::distribution_csv(record) {
+        write("distribution.csv", text)?;
+    }
     if let Some(log) = &record.errands {
         write("errands.csv", errands::errands_csv(record, log))?;
         debug_frames::write_errands(partial, file, record)?;

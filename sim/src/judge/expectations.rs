@@ -180,6 +180,8 @@ fn blank_summary() -> Value {
         width: Some(Default::default()),
         power: Some(Default::default()),
         availability: Some(0.0),
+        distribution: Some(Default::default()),
+        latency_s: Some(Default::default()),
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
         baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),
         metrics: metric_names().map(|name| (name.to_owned(), 0.0)).collect(),

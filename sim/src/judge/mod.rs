@@ -8,6 +8,7 @@ mod expectations;
 pub mod figures;
 mod headings;
 mod containment;
+mod distribution;
 mod landmarks;
 mod markers;
 mod methods;
@@ -16,25 +17,28 @@ mod verdict;
 
 pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
+pub use distribution::corridor;
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use expectations::metric_names;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
 pub(crate) use statistics::{SETTLED_S, midpoint};
 pub use verdict::{
-    AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable,
-    FirstFailure, FixWidth, Halvings, Judgement, MethodCounts, Passed, PositionError, Power, PowerTable, Verdict,
-    Violation, WidthTable,
+    AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Calibration, Containment,
+    Distribution, ErrorTable, FirstFailure, FixWidth, Halvings, Judgement, Latency, MethodCounts, Nees, Passed,
+    PositionError, Power, PowerTable, Region, Verdict, Violation, WidthTable,
 };
 
 use std::collections::BTreeMap;
 
-use localizer::{Pose, Status};
+use localizer::{Estimate, Pose, Status};
 
 use crate::{
     render::RenderError,
     run::{Counterfactual, RunRecord, Told},
     scene::Scene,
+    subject::half_turn,
+    truth::Truth,
 };
 use claims::FalseClaims;
 
@@ -58,9 +62,8 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
         }
         false => (None, Vec::new()),
     };
-    let midpoints: Vec<Pose> =
-        record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
+    let midpoints = midpoints(record);
     let baselines = baselines(record);
     let mut verdict = Verdict {
         containment,
@@ -73,6 +76,8 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
         width: record.has_boxes.then(|| statistics::widths(record)),
         power: record.has_boxes.then(|| statistics::power(record)),
         availability: record.has_boxes.then(|| availability(scene, record)),
+        distribution: distribution::distribution(record),
+        latency_s: latency(&record.ages_s),
         methods: methods::counts(record, &false_claims),
         baselines,
         metrics: metrics(scene, record, &judged),
@@ -82,6 +87,28 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
     verdict.verdict = Passed { passed: failed.is_empty(), failed };
     Ok(verdict)
+}
+
+/// The middle of the box around each estimate, or the point or mean that the localizer states. A localizer that states points or distributions may
+/// count its turns from anywhere, so that its headings are put within half a turn of the true ones.
+fn midpoints(record: &RunRecord) -> Vec<Pose> {
+    let steps = record.estimates.iter().zip(&record.truths);
+    let of = |(estimate, truth): (&Estimate, &Truth)| {
+        let middle = statistics::midpoint(&estimate.pose.hull());
+        if record.has_boxes {
+            return middle;
+        }
+        let off_rad = half_turn(middle.heading_rad - truth.pose.heading_rad);
+        Pose { heading_rad: truth.pose.heading_rad + off_rad, ..middle }
+    };
+    steps.map(of).collect()
+}
+
+/// Mean and greatest of the ages that are known.
+fn latency(ages_s: &[Option<f64>]) -> Option<Latency> {
+    let known: Vec<f64> = ages_s.iter().copied().flatten().collect();
+    let greatest = known.iter().copied().reduce(f64::max)?;
+    Some(Latency { mean: known.iter().sum::<f64>() / known.len() as f64, max: greatest })
 }
 
 /// The figures of the methods to compare with, by their names.

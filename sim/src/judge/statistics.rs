@@ -133,8 +133,11 @@ fn position_error(distances: &[f64]) -> PositionError {
 
 /// Statistics of the widths along one axis. An empty hull has no width and is left out; an unbounded one counts with the greatest finite number.
 fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
-    let mut widths: Vec<f64> =
-        hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect();
+    axis_width_of(hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect())
+}
+
+/// Statistics of widths in the order of time.
+pub(super) fn axis_width_of(mut widths: Vec<f64>) -> AxisWidth {
     if widths.is_empty() {
         let none = f64::NAN;
         return AxisWidth { mean: none, p95: none, max: none, mean_by_third: [none; 3], growth: none };

@@ -11,7 +11,7 @@ use localizer::{
     reading::{Camera, LandmarkId},
 };
 
-use crate::{base::DriveCommand, devices::BoundCheck, driver::ErrandLog, truth::Truth, world::Drawn};
+use crate::{base::DriveCommand, devices::BoundCheck, driver::ErrandLog, subject::Stated, truth::Truth, world::Drawn};
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
@@ -34,6 +34,12 @@ pub struct RunRecord {
     pub restarts: Vec<usize>,
     /// The estimate at each step, at the same times as `truths`.
     pub estimates: Vec<Estimate>,
+    /// What the localizer stated at each step, at the same times as `truths`; `None` where it answered with boxes or a point.
+    pub stated: Vec<Option<Stated>>,
+    /// Age at each step of the newest reading that the answer takes into account, at the same times as `truths`; `None` where it is not told.
+    pub ages_s: Vec<Option<f64>>,
+    /// Number of readings that the localizer under test was given.
+    pub n_readings: usize,
     /// The contradictions between readings for which the localizer found names, in the order in which it did.
     pub contradictions: Vec<Contradiction>,
     /// What makes the width of the pose's box at each key frame of the localizer for which that is known.
@@ -119,6 +125,8 @@ pub struct Timing {
     pub localizer_s: f64,
     /// Time of the localizer on camera readings, which is mostly vision.
     pub vision_s: f64,
+    /// Greatest time of the localizer on one reading of any kind.
+    pub slowest_reading_s: f64,
 }
 
 /// The declared bounds that were compared with true values at every reading.
@@ -181,6 +189,9 @@ impl RunRecord {
             commands: Vec::new(),
             restarts: Vec::new(),
             estimates: Vec::new(),
+            stated: Vec::new(),
+            ages_s: Vec::new(),
+            n_readings: 0,
             contradictions: Vec::new(),
             widths: Vec::new(),
             has_boxes: true,

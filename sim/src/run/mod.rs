@@ -252,7 +252,7 @@ impl Simulation<'_> {
             if self.asked.withholds(&observation.reading, observation.reading.measured_s() + record.offset_s) {
                 continue;
             }
-            let accounts = record.timed(
+            let accounts = record.timed_reading(
                 |timing| match observation.reading {
                     Reading::Camera { .. } => &mut timing.vision_s,
                     _ => &mut timing.localizer_s,

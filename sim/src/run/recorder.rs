@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use crate::{
     devices::Observation,
     scene::Scene,
-    subject::{Answer, Subject},
+    subject::{Answer, Stated, Subject},
     truth::Truth,
     world::{Drawn, World},
 };
@@ -81,6 +81,22 @@ impl<'a> Recorder<'a> {
         let began = Instant::now();
         let answer = work();
         *stage(&mut self.history.timing) += began.elapsed().as_secs_f64();
+        answer
+    }
+
+    /// Runs `work` on one reading for the localizer under test, and adds the wall-clock time that it takes to a stage and to the times of readings.
+    pub(super) fn timed_reading<T>(
+        &mut self,
+        stage: impl FnOnce(&mut Timing) -> &mut f64,
+        work: impl FnOnce() -> T,
+    ) -> T {
+        let began = Instant::now();
+        let answer = work();
+        let took_s = began.elapsed().as_secs_f64();
+        let timing = &mut self.history.timing;
+        *stage(timing) += took_s;
+        timing.slowest_reading_s = timing.slowest_reading_s.max(took_s);
+        self.history.n_readings += 1;
         answer
     }
 
@@ -182,6 +198,8 @@ impl<'a> Recorder<'a> {
     /// Records the true state and the estimate of a step, apart from each other.
     pub(super) fn step(&mut self, truth: &Truth, subject: &dyn Subject) {
         let answer = subject.estimate_at(truth.time_s);
+        self.history.stated.push(Stated::of(&answer));
+        self.history.ages_s.push(subject.knows_until_s().map(|known_s| truth.time_s - known_s));
         self.history.has_boxes &= matches!(answer, Answer::Boxes(_));
         let mut estimate = answer.into_estimate(truth.time_s);
         estimate.time_s += self.offset_s;

@@ -2,6 +2,7 @@
 
 mod interval_localizer;
 mod registry;
+mod stated;
 mod told;
 
 use interval::Interval;
@@ -15,6 +16,8 @@ use crate::scene::Scene;
 
 pub use interval_localizer::IntervalLocalizer;
 pub use registry::{SubjectChoice, subject};
+pub(crate) use stated::half_turn;
+pub use stated::{SHARES, Spread, Stated, chi_squared};
 
 /// A localizer under test. It learns about the world through its readings alone. What it may know beforehand, a map and the robot's nominal
 /// dimensions, it takes from [`Scene::map`] and [`Scene::robot_model`] when it is created.
@@ -35,6 +38,12 @@ pub trait Subject {
 
     /// The answer of the tested localizer (the subject) to where the robot is at `time_s`, which is never before the arrival of the newest reading.
     fn estimate_at(&self, time_s: f64) -> Answer;
+
+    /// Stamp of the newest reading that the present answer takes into account; `None` where the localizer does not tell. The age of the answer in
+    /// results is counted from it.
+    fn knows_until_s(&self) -> Option<f64> {
+        None
+    }
 
     /// What the subject's methods claimed to see in the latest reading, and what followed for the pose. The judge compares the claims with the truth,
     /// and debug frames show them; a subject without claims need not implement this.
@@ -104,13 +113,17 @@ impl Answer {
     }
 }
 
-/// The weighted mean of a sample of poses. The heading is the direction of the weighted mean of the unit vectors along the headings.
+/// The weighted mean of a sample of poses. The heading is the direction of the weighted mean of the unit vectors along the headings, within half a turn
+/// of the first pose's heading, so that a localizer that counts its turns keeps its count. The mean of no poses, and that of weights that are not
+/// numbers or are all 0, is not a number.
 fn mean_of(samples: &[WeightedPose]) -> Pose {
     let total: f64 = samples.iter().map(|sample| sample.weight).sum();
     let mean =
-        |of: fn(&Pose) -> f64| samples.iter().map(|sample| sample.weight * of(&sample.pose)).sum::<f64>() / total;
-    let heading_rad = mean(|pose| pose.heading_rad.sin()).atan2(mean(|pose| pose.heading_rad.cos()));
-    Pose { x_m: mean(|pose| pose.x_m), y_m: mean(|pose| pose.y_m), heading_rad }
+        |of: &dyn Fn(&Pose) -> f64| samples.iter().map(|sample| sample.weight * of(&sample.pose)).sum::<f64>() / total;
+    let first_rad = samples.first().map_or(f64::NAN, |sample| sample.pose.heading_rad);
+    let turn_rad = |pose: &Pose| pose.heading_rad - first_rad;
+    let off_rad = mean(&|pose| turn_rad(pose).sin()).atan2(mean(&|pose| turn_rad(pose).cos()));
+    Pose { x_m: mean(&|pose| pose.x_m), y_m: mean(&|pose| pose.y_m), heading_rad: first_rad + off_rad }
 }
 
 /// An estimate that consists of exactly one pose, such as the true one.

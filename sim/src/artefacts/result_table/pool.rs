@@ -68,7 +68,7 @@ fn combine(name: &str, values: &[f64]) -> f64 {
     let last = name.rsplit('.').next().unwrap_or(name);
     let is_count = name.starts_with("containment.")
         || name.starts_with("methods.")
-        || name == "violations"
+        || ["violations", "distribution.checks", "distribution.unusable"].contains(&name)
         || name.strip_prefix("metrics.").is_some_and(|metric| ERRAND_COUNTS.contains(&metric));
     if is_count || name == "duration_s" || last == "wall_s" {
         sum

@@ -70,6 +70,33 @@ pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
     text
 }
 
+/// Mean, covariance and normalised error (NEES) of every distribution that the localizer stated, one step on each line; `None` if it stated none. The
+/// fields of covariance and normalised error are empty where the covariance is not finite, not symmetric or not positive definite.
+pub(super) fn distribution_csv(record: &RunRecord) -> Option<String> {
+    record.stated.iter().flatten().next()?;
+    let mut text = "time_s,mean_x_m,mean_y_m,mean_heading_rad,error_x_m,error_y_m,error_heading_rad,\
+                    cov_x_x,cov_x_y,cov_x_heading,cov_y_y,cov_y_heading,cov_heading_heading,nees\n"
+        .to_owned();
+    for (truth, stated) in record.truths.iter().zip(&record.stated) {
+        let Some(stated) = stated else { continue };
+        let error = stated.error(truth.pose);
+        let _ = write!(text, "{:.3}", truth.time_s);
+        for number in stated.mean.to_array().iter().chain(error.iter()) {
+            let _ = write!(text, ",{number:.9}");
+        }
+        match &stated.spread {
+            None => text.push_str(",,,,,,,\n"),
+            Some(spread) => {
+                for (row, column) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
+                    let _ = write!(text, ",{:.9e}", spread.covariance[(row, column)]);
+                }
+                let _ = writeln!(text, ",{:.6}", spread.squared_distance(&error));
+            }
+        }
+    }
+    Some(text)
+}
+
 /// Poses in the TUM format; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
 fn tum(poses: impl Iterator<Item = (f64, Pose, f64)>) -> String {
     poses.fold(String::new(), |mut text, (time_s, pose, z_m)| {

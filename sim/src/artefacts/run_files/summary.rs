@@ -143,6 +143,7 @@ pub fn subject_of(summary: &Value) -> String {
 pub struct Timing {
     duration_s: f64,
     images: usize,
+    readings: usize,
     spent: run::Timing,
     /// Mean time in microseconds that each baseline solver (another localization method on the same readings) takes for one problem, by the solver's
     /// name.
@@ -161,6 +162,7 @@ impl Timing {
         Timing {
             duration_s: duration_s(record),
             images: record.images.len(),
+            readings: record.n_readings,
             spent: record.timing,
             solve_us,
             scene_path: file.path.clone(),
@@ -185,6 +187,10 @@ impl Timing {
             "per_image_ms": {
                 "render": per_image_ms(spent.render_s),
                 "vision": per_image_ms(spent.vision_s),
+            },
+            "per_reading_ms": {
+                "mean": 1e3 * (spent.localizer_s + spent.vision_s) / self.readings as f64,
+                "max": 1e3 * spent.slowest_reading_s,
             },
             "solve_us": self.solve_us,
             "program": program_digest(),
