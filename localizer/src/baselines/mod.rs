@@ -33,7 +33,7 @@ pub use least_squares::least_squares;
 pub use printed_table_iv::printed_table_iv;
 pub use ransac::{RansacMap, ransac};
 pub use slip_decision::SlipDecision;
-pub use vertical_known::{locate_upright, vertical_known};
+pub use vertical_known::{dot_pairs, locate_upright, vertical_known};
 pub use weighted_points::{LearntPoint, SQUARED_GATE, SQUARED_GATE_OF_POSE, WeightedPoint, WeightedPose, weighted_fit};
 
 /// Names of the interval solvers (of the planar pose from landmarks) whose results a run writes into a table for comparison, each with its solver.

@@ -12,8 +12,8 @@ use interval::Interval;
 
 use crate::{
     Pose, RobotModel,
-    map::MarkerMap,
-    markers::DOT_RADIUS_M,
+    map::{MarkerMap, PlacedMarker},
+    markers::{DOT_RADIUS_M, GridPlace},
     methods::ceiling_markers::paper::{body_from_camera, dot_radius_px, in_world_m},
     robot::CeilingCameraModel,
     vision::{
@@ -57,7 +57,16 @@ pub fn vertical_known(seen: &[PaperMarker], map: &MarkerMap, camera: &CeilingCam
 /// Pairs of each dot's place in the world and its place relative to the robot on a level floor. `None` for a marker that is not on the map, or
 /// if the pixel of one of its dots belongs to no direction towards the ceiling.
 fn pairs(seen: &PaperMarker, map: &MarkerMap, camera: &CeilingCameraModel) -> Option<Vec<([f64; 2], [f64; 2])>> {
-    let placed = map.markers.iter().find(|placed| placed.id == seen.id)?;
+    dot_pairs(&seen.dots_px, map.markers.iter().find(|placed| placed.id == seen.id)?, camera)
+}
+
+/// Pairs of the places in the world and relative to the robot on a level floor of the dots of one marker, given each dot's place in the marker's grid
+/// and its pixel. `None` if the pixel of a dot belongs to no direction towards the ceiling.
+pub fn dot_pairs(
+    dots_px: &[(GridPlace, [f64; 2])],
+    placed: &PlacedMarker,
+    camera: &CeilingCameraModel,
+) -> Option<Vec<([f64; 2], [f64; 2])>> {
     let body_from_camera = body_from_camera(camera);
     let up_m = placed.height_m.mid() - camera.height_m.mid();
     let pair = |place, pixel: [f64; 2]| {
@@ -69,7 +78,7 @@ fn pairs(seen: &PaperMarker, map: &MarkerMap, camera: &CeilingCameraModel) -> Op
         let in_world = in_world_m(placed, place);
         (ray.z > 0.0).then_some(([in_world.x, in_world.y], in_robot_m))
     };
-    seen.dots_px.iter().map(|(place, pixel)| pair(*place, *pixel)).collect()
+    dots_px.iter().map(|(place, pixel)| pair(*place, *pixel)).collect()
 }
 
 /// Root mean square distance between the dots' places in the world and where a pose puts them.

@@ -139,6 +139,12 @@ impl CeilingMarkers {
         })
     }
 
+    /// The markers read in an image of the ceiling camera; `None` for any other reading.
+    pub fn look(&self, reading: &Reading, twist: &Twist) -> Option<Seen> {
+        let Reading::Camera { camera: Camera::Ceiling, exposure_s, image, .. } = reading else { return None };
+        Some(ceiling::detect(image, &self.view, &self.is_word, &self.motion(twist, *exposure_s)))
+    }
+
     /// Markers found in the image, sorted by their distance from its middle, without markers whose identity was seen twice; at most
     /// [`MOST_MARKERS`] of them, those nearest to the middle.
     fn unambiguous<'a>(&self, markers: &'a [SeenMarker], rejected_px: &mut Vec<[f64; 4]>) -> Vec<&'a SeenMarker> {
@@ -216,10 +222,6 @@ impl Method for CeilingMarkers {
     }
 
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
-        let Reading::Camera { measured_s, camera: Camera::Ceiling, exposure_s, image, .. } = reading else {
-            return None;
-        };
-        let found = ceiling::detect(image, &self.view, &self.is_word, &self.motion(context.twist, *exposure_s));
-        self.constraint(*measured_s, found)
+        self.constraint(reading.measured_s(), self.look(reading, context.twist)?)
     }
 }

@@ -168,6 +168,19 @@ impl FloorTiles {
         })
     }
 
+    /// The joints seen in an image of the floor camera, in pixels of a pinhole's picture; `None` for any other reading.
+    pub fn look(&self, reading: &Reading, twist: &Twist) -> Option<FloorLines> {
+        let Reading::Camera { camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
+        let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);
+        let chain = match self.chain {
+            Chain::Direct => vision::direct::detect,
+            Chain::Paper => vision::paper::detect,
+        };
+        let row_time_s = self.geometry.camera.row_time_s;
+        let rows = RowMotion { shift_px: self.blur_px(twist, row_time_s), turn_rad: twist.turn_rad_per_s * row_time_s };
+        Some(self.optics.look(image, rows, |picture| chain(picture, &self.view, blur_px, turn_rad)))
+    }
+
     /// Motion of the picture at its centre during an exposure, or any other time, in pixels right and down.
     ///
     /// The floor passes under the camera against the camera's own velocity (v − ω·a_l, ω·a_f), forward and left, with v the robot's speed,
@@ -189,17 +202,8 @@ impl Method for FloorTiles {
     }
 
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
-        let Reading::Camera { measured_s, camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
-        let twist = context.twist;
-        let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);
-        let chain = match self.chain {
-            Chain::Direct => vision::direct::detect,
-            Chain::Paper => vision::paper::detect,
-        };
-        let row_time_s = self.geometry.camera.row_time_s;
-        let rows = RowMotion { shift_px: self.blur_px(twist, row_time_s), turn_rad: twist.turn_rad_per_s * row_time_s };
-        let lines = self.optics.look(image, rows, |picture| chain(picture, &self.view, blur_px, turn_rad));
-        self.constraint(*measured_s, lines, context.prior)
+        let lines = self.look(reading, context.twist)?;
+        self.constraint(reading.measured_s(), lines, context.prior)
     }
 }
 
