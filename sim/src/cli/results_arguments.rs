@@ -26,7 +26,7 @@ pub(super) struct SweepArguments {
     /// Seeds with which each combination of the keys' values runs, A included and B not.
     #[arg(long, value_name = "A..B")]
     pub(super) seeds: Option<Seeds>,
-    /// Localizer to test: intervals, the project's own.
+    /// Localizer to test: intervals (the project's own), ekf (Kalman filter) or particles (particle filter).
     #[arg(long, value_name = "NAME", default_value_t)]
     pub(super) subject: SubjectChoice,
     /// Number of runs at the same time. By default the number of processor cores.

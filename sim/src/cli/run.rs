@@ -34,7 +34,7 @@ use super::{CommandError, conclude::write_junit, github::tell_github, print, sce
 pub(super) struct RunArguments {
     #[command(flatten)]
     which: ScenesAndSeeds,
-    /// Localizer to test: intervals, the project's own.
+    /// Localizer to test: intervals (the project's own), ekf (Kalman filter) or particles (particle filter).
     #[arg(long, value_name = "NAME", default_value_t)]
     subject: SubjectChoice,
     /// Folder for the results.

@@ -1,6 +1,9 @@
 //! The subject of a run: a localizer under test, which is given the robot's readings and says where the robot is.
 
+mod cues;
+mod extended_kalman_filter;
 mod interval_localizer;
+mod particle_filter;
 mod registry;
 mod stated;
 mod told;
@@ -14,7 +17,9 @@ use localizer::{
 
 use crate::scene::Scene;
 
+pub use extended_kalman_filter::{ExtendedKalmanFilter, Tuning};
 pub use interval_localizer::IntervalLocalizer;
+pub use particle_filter::ParticleFilter;
 pub use registry::{SubjectChoice, subject};
 pub(crate) use stated::half_turn;
 pub use stated::{SHARES, Spread, Stated, chi_squared};
@@ -113,9 +118,9 @@ impl Answer {
     }
 }
 
-/// The weighted mean of a sample of poses. The heading is the direction of the weighted mean of the unit vectors along the headings, within half a turn
-/// of the first pose's heading, so that a localizer that counts its turns keeps its count. The mean of no poses, and that of weights that are not
-/// numbers or are all 0, is not a number.
+/// The weighted mean of a sample of poses. The heading is the direction of the weighted mean of the unit vectors along the headings, within half a
+/// turn of the first pose's heading, so that a localizer that counts its turns keeps its count. The mean of no poses, and that of weights that are
+/// not numbers or are all 0, is not a number.
 fn mean_of(samples: &[WeightedPose]) -> Pose {
     let total: f64 = samples.iter().map(|sample| sample.weight).sum();
     let mean =

@@ -4,42 +4,85 @@ use std::{fmt, str::FromStr};
 
 use crate::scene::Scene;
 
-use super::{IntervalLocalizer, Subject};
+use super::{ExtendedKalmanFilter, IntervalLocalizer, ParticleFilter, Subject, extended_kalman_filter::Tuning};
 
 /// The localizer under test as the user chose it with the option `--subject`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum SubjectChoice {
     /// The interval localizer of this project.
     #[default]
     Intervals,
+    /// The extended Kalman filter.
+    ExtendedKalmanFilter(Tuning),
+    /// The particle filter.
+    ParticleFilter(Tuning),
 }
 
-/// Each built-in localizer with its name on the command line and in results.
-const BUILT_IN: [(&str, SubjectChoice); 1] = [("intervals", SubjectChoice::Intervals)];
+/// Names of the built-in localizers.
+const NAMES: [&str; 3] = ["intervals", "ekf", "particles"];
 
 /// Creates the localizer of a choice, with the map, robot and bounds that the scene states.
 pub fn subject(choice: &SubjectChoice, scene: &Scene) -> Box<dyn Subject> {
     match choice {
         SubjectChoice::Intervals => IntervalLocalizer::boxed(scene),
+        SubjectChoice::ExtendedKalmanFilter(tuning) => {
+            Box::new(ExtendedKalmanFilter::of(scene, *tuning, choice.to_string()))
+        }
+        SubjectChoice::ParticleFilter(tuning) => Box::new(ParticleFilter::of(scene, *tuning, choice.to_string())),
     }
 }
 
 impl fmt::Display for SubjectChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let named = BUILT_IN.iter().find(|(_, choice)| choice == self);
-        f.write_str(named.map_or("", |(name, _)| name))
+        match self {
+            SubjectChoice::Intervals => f.write_str(NAMES[0]),
+            SubjectChoice::ExtendedKalmanFilter(tuning) => write!(f, "{}{tuning}", NAMES[1]),
+            SubjectChoice::ParticleFilter(tuning) => write!(f, "{}{tuning}", NAMES[2]),
+        }
     }
 }
 
 impl FromStr for SubjectChoice {
     type Err = String;
 
-    /// Reads a choice from its name. Errors for a text that names no localizer, with the names that there are.
+    /// Reads a choice from its name. The name of a filter may be followed by factors on its standard deviations, as in `ekf,motion=2,cues=0.5`.
+    /// Errors for a text that names no localizer, with the names that there are.
     fn from_str(text: &str) -> Result<SubjectChoice, String> {
-        let named = BUILT_IN.iter().find(|(name, _)| *name == text);
-        named.map(|(_, choice)| choice.clone()).ok_or_else(|| {
-            let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-            format!("no such localizer, expected one of {}", names.join(", "))
-        })
+        let (name, factors) = text.split_once(',').map_or((text, ""), |(name, factors)| (name, factors));
+        match name {
+            "ekf" => Ok(SubjectChoice::ExtendedKalmanFilter(factors.parse()?)),
+            "particles" => Ok(SubjectChoice::ParticleFilter(factors.parse()?)),
+            "intervals" if factors.is_empty() => Ok(SubjectChoice::Intervals),
+            _ => Err(format!("no such localizer, expected one of {}", NAMES.join(", "))),
+        }
+    }
+}
+
+impl fmt::Display for Tuning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, factor) in [("motion", self.motion), ("cues", self.cues)] {
+            if factor != 1.0 {
+                write!(f, ",{name}={factor}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Tuning {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Tuning, String> {
+        let mut tuning = Tuning::default();
+        for part in text.split(',').filter(|part| !part.is_empty()) {
+            let (name, factor) = part.split_once('=').unwrap_or((part, ""));
+            let factor = factor.parse().ok().filter(|factor: &f64| *factor > 0.0 && factor.is_finite());
+            match (name, factor) {
+                ("motion", Some(factor)) => tuning.motion = factor,
+                ("cues", Some(factor)) => tuning.cues = factor,
+                _ => return Err(format!("`{part}`: expected motion=FACTOR or cues=FACTOR, with a number above 0")),
+            }
+        }
+        Ok(tuning)
     }
 }

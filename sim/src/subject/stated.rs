@@ -48,8 +48,8 @@ pub struct Spread {
 impl Stated {
     /// What an answer states that is a distribution; `None` for boxes and points.
     ///
-    /// The regions of a Gaussian are those of its covariance. The regions of a sample are ellipsoids of the shape of the sample's covariance, as large
-    /// as needed to hold the share of the sample's weight.
+    /// The regions of a Gaussian are those of its covariance. The regions of a sample are ellipsoids of the shape of the sample's covariance, as
+    /// large as needed to hold the share of the sample's weight.
     pub fn of(answer: &Answer) -> Option<Stated> {
         match answer {
             Answer::Boxes(_) | Answer::Point(_) => None,

@@ -90,8 +90,8 @@ impl Scene {
         Pose { x_m: self.start.x_m, y_m: self.start.y_m, heading_rad: self.start.heading_deg.to_radians() }
     }
 
-    /// The scene with the robot placed at a station. It lasts until the first image of every camera, the first range reading and the first position of
-    /// satellite navigation have arrived.
+    /// The scene with the robot placed at a station. It lasts until the first image of every camera, the first range reading and the first position
+    /// of satellite navigation have arrived.
     pub fn at_station(&self, station: &Station) -> Scene {
         let arrival_s = first_arrivals_s(&self.robot);
         let start = Start {

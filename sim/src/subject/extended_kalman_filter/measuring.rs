@@ -1,0 +1,148 @@
+//! How each kind of measurement changes the filter's belief.
+
+use localizer::map::TileGrid;
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2};
+
+use crate::subject::{
+    cues::{Edge, Joint, Mounted, Seen, heading_of, turned},
+    half_turn,
+};
+
+use super::{
+    Tuning,
+    belief::{Belief, Row},
+    layout::Layout,
+};
+
+/// What is known beforehand that measurements are compared with.
+pub(crate) struct Known<'a> {
+    pub(crate) layout: &'a Layout,
+    pub(crate) tiles: Option<&'a TileGrid>,
+    pub(crate) wall_directions_rad: &'a [f64],
+    pub(crate) tuning: &'a Tuning,
+}
+
+/// Standard deviations of a predicted place of a joint that half the distance between joints must hold for the nearest joint to be taken for the one
+/// that is seen: with fewer, the filter may follow the wrong tile for ever.
+const UNAMBIGUOUS_SIGMAS: f64 = 3.0;
+
+/// The pose at which a device would be seen to be that has its mount's errors, with the derivatives of its x, y and heading.
+struct Apparent {
+    pose: [f64; 3],
+    rows: [Row; 3],
+}
+
+impl Apparent {
+    fn of(belief: &Belief, layout: &Layout, mounted: Mounted) -> Apparent {
+        let [x_m, y_m, heading_rad] = [0, 1, 2].map(|axis| belief.mean[axis]);
+        let Some(mount) = layout.mount(mounted) else {
+            let rows = [vec![(0, 1.0)], vec![(1, 1.0)], vec![(2, 1.0)]];
+            return Apparent { pose: [x_m, y_m, heading_rad], rows };
+        };
+        let off = [belief.mean[mount], belief.mean[mount + 1]];
+        let [dx, dy] = turned(off, heading_rad);
+        let (sin, cos) = heading_rad.sin_cos();
+        Apparent {
+            pose: [x_m + dx, y_m + dy, heading_rad + belief.mean[mount + 2]],
+            rows: [
+                vec![(0, 1.0), (2, -dy), (mount, cos), (mount + 1, -sin)],
+                vec![(1, 1.0), (2, dx), (mount, sin), (mount + 1, cos)],
+                vec![(2, 1.0), (mount + 2, 1.0)],
+            ],
+        }
+    }
+
+    /// The place in the world of a point of the robot frame, with its derivatives by the state.
+    fn place(&self, in_robot_m: [f64; 2]) -> ([f64; 2], [Row; 2]) {
+        let [dx, dy] = turned(in_robot_m, self.pose[2]);
+        let with = |axis: usize, by_turn: f64| {
+            let turning = self.rows[2].iter().map(|(place, slope)| (*place, slope * by_turn));
+            self.rows[axis].iter().copied().chain(turning).collect::<Row>()
+        };
+        ([self.pose[0] + dx, self.pose[1] + dy], [with(0, -dy), with(1, dx)])
+    }
+}
+
+/// Updates the belief by a measurement.
+pub(crate) fn measure(belief: &mut Belief, mounted: Mounted, seen: &Seen, known: &Known<'_>) {
+    let scale = known.tuning.cues.powi(2);
+    match seen {
+        Seen::Pose { pose, covariance } => {
+            let apparent = Apparent::of(belief, known.layout, mounted);
+            let off = [0, 1, 2].map(|axis| pose[axis] - apparent.pose[axis]);
+            let residual = DVector::from_column_slice(&[off[0], off[1], half_turn(off[2])]);
+            let noise: Matrix3<f64> = covariance * scale;
+            belief.update(&apparent.rows, &residual, &DMatrix::from_iterator(3, 3, noise.iter().copied()));
+        }
+        Seen::Joints(joints) => {
+            for joint in joints {
+                see_joint(belief, mounted, joint, known);
+            }
+        }
+        Seen::Edges(edges) => see_edges(belief, mounted, edges, known),
+        Seen::Landmarks(landmarks) => {
+            for (code, place, covariance) in landmarks {
+                see_landmark(belief, mounted, *code, *place, &(covariance * scale), known);
+            }
+        }
+        Seen::Position { in_robot_m, in_world_m, sigma_m } => {
+            let (place, rows) = Apparent::of(belief, known.layout, mounted).place(*in_robot_m);
+            let residual = DVector::from_column_slice(&[in_world_m[0] - place[0], in_world_m[1] - place[1]]);
+            belief.update(&rows, &residual, &(DMatrix::identity(2, 2) * sigma_m.powi(2) * scale));
+        }
+    }
+}
+
+fn see_joint(belief: &mut Belief, mounted: Mounted, joint: &Joint, known: &Known<'_>) {
+    let Some(grid) = known.tiles else { return };
+    let scale = known.tuning.cues.powi(2);
+    let apparent = Apparent::of(belief, known.layout, mounted);
+    let agreement = joint.agreement(apparent.pose, grid);
+    let along = agreement.along;
+    let weighted = |axis: usize| apparent.rows[axis].iter().map(move |(place, slope)| (*place, slope * along[axis]));
+    let row: Row = weighted(0).chain(weighted(1)).collect();
+    let variance: f64 =
+        row.iter().map(|(i, a)| row.iter().map(|(j, b)| a * b * belief.covariance[(*i, *j)]).sum::<f64>()).sum();
+    if UNAMBIGUOUS_SIGMAS * (variance + joint.sigma[1].powi(2)).sqrt() > agreement.half_edge_m {
+        return;
+    }
+    let residual = DVector::from_column_slice(&[agreement.turn_rad, agreement.off_m]);
+    let noise = DVector::from_column_slice(&joint.sigma.map(|sigma| sigma.powi(2) * scale));
+    belief.update(&[apparent.rows[2].clone(), row], &residual, &DMatrix::from_diagonal(&noise));
+}
+
+fn see_edges(belief: &mut Belief, mounted: Mounted, edges: &[Edge], known: &Known<'_>) {
+    let apparent = Apparent::of(belief, known.layout, mounted);
+    let row = &apparent.rows[2];
+    let variance: f64 =
+        row.iter().map(|(i, a)| row.iter().map(|(j, b)| a * b * belief.covariance[(*i, *j)]).sum::<f64>()).sum();
+    let told = heading_of(edges, known.wall_directions_rad, apparent.pose[2], variance.max(0.0).sqrt());
+    let Some((residual_rad, noise_rad2)) = told else { return };
+    let noise = DMatrix::from_element(1, 1, noise_rad2 * known.tuning.cues.powi(2));
+    belief.update(std::slice::from_ref(row), &DVector::from_element(1, residual_rad), &noise);
+}
+
+fn see_landmark(
+    belief: &mut Belief,
+    mounted: Mounted,
+    code: u32,
+    in_robot_m: Vector2<f64>,
+    covariance: &Matrix2<f64>,
+    known: &Known<'_>,
+) {
+    let apparent = Apparent::of(belief, known.layout, mounted);
+    let (place, mut rows) = apparent.place(in_robot_m.into());
+    let (sin, cos) = apparent.pose[2].sin_cos();
+    let turn = Matrix2::new(cos, -sin, sin, cos);
+    let noise = turn * covariance * turn.transpose();
+    let Some(at) = belief.landmark(code) else {
+        belief.add_landmark(code, place, &rows, &noise);
+        return;
+    };
+    // The landmark is compared in the world: where it is believed to be, less where it is seen.
+    let residual = DVector::from_column_slice(&[belief.mean[at] - place[0], belief.mean[at + 1] - place[1]]);
+    for (axis, row) in rows.iter_mut().enumerate() {
+        row.push((at + axis, -1.0));
+    }
+    belief.update(&rows, &residual, &DMatrix::from_iterator(2, 2, noise.iter().copied()));
+}

@@ -1,0 +1,196 @@
+//! The samples of the particle filter: how they are moved, weighed and drawn anew.
+
+use std::f64::consts::PI;
+
+use localizer::PoseBox;
+use nalgebra::{Matrix3, Vector3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::subject::cues::SIGMAS_OF_BOUND;
+
+use super::{
+    odometry::Way,
+    resampling::{N_SAMPLES, low_variance, n_bins, n_by_kld},
+};
+
+/// Samples of the pose, and the random numbers by which they are drawn.
+pub(crate) struct Cloud {
+    pub(crate) samples: Vec<Sample>,
+    rng: ChaCha8Rng,
+}
+
+/// One sample of the pose.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    pub(crate) pose: [f64; 3],
+    /// Bias of the gyroscope less the nominal one.
+    pub(crate) bias_rad_per_s: f64,
+    /// Logarithm of the weight; that of the greatest weight is 0.
+    pub(crate) log_weight: f64,
+    /// Error of the motion since, in its standard deviations.
+    pub(crate) off: [f64; 3],
+}
+
+/// Share of the samples that have to have a say for the samples to be kept as they are: below half, they are drawn anew (Doucet, *On sequential
+/// simulation-based methods for Bayesian filtering*, 1998).
+const EFFECTIVE_SHARE: f64 = 0.5;
+/// Share of the samples that a measurement may leave with a say before they are drawn anew and weighed by the rest of it.
+const LEFT_SHARE: f64 = 0.25;
+/// Greatest number of parts in which a measurement is weighed: a start known to half a metre needs four or five until a position to the millimetre.
+const MOST_PARTS: usize = 20;
+/// Number of halvings by which the part of a measurement is found that leaves enough samples.
+const HALVINGS: usize = 30;
+/// Half width of a start's heading beyond which the heading is unknown, and its samples are even instead of Gaussian.
+const UNKNOWN_RAD: f64 = 1.5;
+/// Factor of Liu and West's kernel that keeps the samples of a constant apart (*Combined parameter and state estimation in simulation-based
+/// filtering*, 2001): each is drawn towards the mean and spread again, so that mean and variance stay as they are.
+const SPREAD: f64 = 0.1;
+/// Standard deviation of the kernel with which poses that are drawn anew are spread, over that of all samples, so that a sample drawn many times does
+/// not stay one pose (C. Musso, N. Oudjane, F. Le Gland, *Improving regularised particle filters*, 2001). The samples spread by 2 % each time.
+const KERNEL: f64 = 0.2;
+
+impl Cloud {
+    pub(crate) fn new(rng: ChaCha8Rng) -> Cloud {
+        Cloud { samples: Vec::new(), rng }
+    }
+
+    /// Draws the samples of a start somewhere in a box, whose half widths are bounds.
+    pub(crate) fn draw_start(&mut self, start: &PoseBox, bias_sigma_rad_per_s: f64) {
+        let rng = &mut self.rng;
+        let draw = |rng: &mut ChaCha8Rng, axis: usize| {
+            let (middle, half) = (start[axis].mid(), 0.5 * start[axis].width());
+            if axis == 2 && half > UNKNOWN_RAD {
+                return middle + half * rng.random_range(-1.0..=1.0);
+            }
+            let normal: f64 = StandardNormal.sample(rng);
+            middle + SIGMAS_OF_BOUND * half * normal
+        };
+        let sample = |_| {
+            let pose = [0, 1, 2].map(|axis| draw(rng, axis));
+            let normal: f64 = StandardNormal.sample(rng);
+            Sample { pose, bias_rad_per_s: bias_sigma_rad_per_s * normal, log_weight: 0.0, off: [0.0; 3] }
+        };
+        self.samples = (0..N_SAMPLES[1]).map(sample).collect();
+        self.samples.truncate(n_by_kld(n_bins(self.samples.iter().map(|sample| sample.pose))));
+        self.draw_offs();
+    }
+
+    /// Carries the samples on along a way, each with its own error of it.
+    pub(crate) fn carry(&mut self, way: &Way) {
+        self.samples
+            .iter_mut()
+            .for_each(|sample| sample.pose = way.from(sample.pose, sample.bias_rad_per_s, sample.off));
+        self.draw_offs();
+    }
+
+    /// Weighted mean of a quantity over the samples.
+    pub(crate) fn mean_of(&self, of: &dyn Fn(&Sample) -> f64) -> f64 {
+        let total: f64 = self.samples.iter().map(|sample| sample.log_weight.exp()).sum();
+        self.samples.iter().map(|sample| sample.log_weight.exp() * of(sample)).sum::<f64>() / total
+    }
+
+    /// Weighs the samples by a measurement, given the logarithm of its likelihood.
+    ///
+    /// A measurement that is far more accurate than the samples are dense would leave a few of them by chance. It is therefore weighed in parts, its
+    /// likelihood raised to powers that add up to 1, and after each part that leaves too few samples they are drawn anew (progressive correction: Musso,
+    /// Oudjane and Le Gland 2001, section 12.4).
+    pub(crate) fn weigh(&mut self, log_likelihood: &dyn Fn(&Sample) -> f64) {
+        let mut left = 1.0;
+        for part in 1..=MOST_PARTS {
+            let told: Vec<f64> = self.samples.iter().map(log_likelihood).collect();
+            let power = if part == MOST_PARTS { left } else { self.bearable_power(&told, left) };
+            left -= power;
+            self.samples.iter_mut().zip(&told).for_each(|(sample, told)| sample.log_weight += power * told);
+            let most = self.samples.iter().map(|sample| sample.log_weight).fold(f64::NEG_INFINITY, f64::max);
+            self.samples.iter_mut().for_each(|sample| sample.log_weight -= most);
+            if self.effective_share(&told, 0.0) < EFFECTIVE_SHARE {
+                self.resample();
+            }
+            if left <= 0.0 {
+                break;
+            }
+        }
+    }
+
+    /// Puts samples drawn from a measured pose in the place of a share of the samples; `forth` is the way since the measurement.
+    pub(crate) fn replace(&mut self, share: f64, pose: &[f64; 3], covariance: &Matrix3<f64>, forth: &Way) {
+        let Some(root) = covariance.cholesky() else { return };
+        for sample in &mut self.samples {
+            if self.rng.random::<f64>() >= share {
+                continue;
+            }
+            let normal = Vector3::from_fn(|_, _| StandardNormal.sample(&mut self.rng));
+            let drawn = Vector3::from(*pose) + root.l() * normal;
+            // A heading is told up to whole turns, of which the samples keep count.
+            let turns = ((sample.pose[2] - drawn[2]) / (2.0 * PI)).round();
+            let measured = [drawn[0], drawn[1], drawn[2] + 2.0 * PI * turns];
+            sample.pose = forth.from(measured, sample.bias_rad_per_s, [0.0; 3]);
+        }
+    }
+
+    /// Greatest power of a likelihood, up to `most`, that leaves enough samples with a say.
+    fn bearable_power(&self, told: &[f64], most: f64) -> f64 {
+        if self.effective_share(told, most) >= LEFT_SHARE {
+            return most;
+        }
+        let (mut bearable, mut too_great) = (0.0, most);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (bearable + too_great);
+            if self.effective_share(told, middle) >= LEFT_SHARE { bearable = middle } else { too_great = middle }
+        }
+        too_great
+    }
+
+    /// Share of the samples that have a say when they are weighed by a power of a likelihood: (Σw)² / Σw², over their number.
+    fn effective_share(&self, told: &[f64], power: f64) -> f64 {
+        let logs: Vec<f64> =
+            self.samples.iter().zip(told).map(|(sample, told)| sample.log_weight + power * told).collect();
+        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (sum, squares) = logs
+            .iter()
+            .map(|log| (log - most).exp())
+            .fold((0.0, 0.0), |(sum, squares), weight| (sum + weight, squares + weight * weight));
+        sum * sum / squares / self.samples.len() as f64
+    }
+
+    /// Draws the samples anew by their weights: as many as the number of bins asks for that a first drawing occupies.
+    fn resample(&mut self) {
+        let weights: Vec<f64> = self.samples.iter().map(|sample| sample.log_weight.exp()).collect();
+        let total = weights.iter().sum();
+        let trial = low_variance(&weights, total, self.samples.len(), self.rng.random());
+        let n_samples = n_by_kld(n_bins(trial.iter().map(|index| self.samples[*index].pose)));
+        let drawn = low_variance(&weights, total, n_samples, self.rng.random());
+        self.samples = drawn.into_iter().map(|index| Sample { log_weight: 0.0, ..self.samples[index] }).collect();
+        self.regularise();
+        let mean = self.mean_of(&|sample| sample.bias_rad_per_s);
+        let sigma = self.mean_of(&|sample| (sample.bias_rad_per_s - mean).powi(2)).sqrt();
+        for sample in &mut self.samples {
+            let normal: f64 = StandardNormal.sample(&mut self.rng);
+            let towards = mean + (1.0 - SPREAD * SPREAD).sqrt() * (sample.bias_rad_per_s - mean);
+            sample.bias_rad_per_s = towards + SPREAD * sigma * normal;
+        }
+        self.draw_offs();
+    }
+
+    /// Spreads the poses of samples that have been drawn anew by a kernel of the shape of their covariance.
+    fn regularise(&mut self) {
+        let n_samples = self.samples.len() as f64;
+        let mean: Vector3<f64> =
+            self.samples.iter().map(|sample| Vector3::from(sample.pose)).sum::<Vector3<f64>>() / n_samples;
+        let off = |sample: &Sample| Vector3::from(sample.pose) - mean;
+        let covariance: Matrix3<f64> =
+            self.samples.iter().map(|sample| off(sample) * off(sample).transpose()).sum::<Matrix3<f64>>() / n_samples;
+        let Some(root) = covariance.cholesky() else { return };
+        for sample in &mut self.samples {
+            let normal = Vector3::from_fn(|_, _| StandardNormal.sample(&mut self.rng));
+            sample.pose = (Vector3::from(sample.pose) + root.l() * normal * KERNEL).into();
+        }
+    }
+
+    fn draw_offs(&mut self) {
+        let rng = &mut self.rng;
+        self.samples.iter_mut().for_each(|sample| sample.off = [0; 3].map(|_| StandardNormal.sample(rng)));
+    }
+}
