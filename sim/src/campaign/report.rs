@@ -3,6 +3,7 @@
 //! One [`Overview`] serves the terminal, the Markdown summary and the HTML page, so that they cannot differ.
 
 mod corridor;
+mod costs;
 mod diagram;
 mod heatmap;
 mod markdown;

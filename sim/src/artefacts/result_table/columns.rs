@@ -27,9 +27,11 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 /// All columns of the result table, from left to right. Errors are those of the third of a run in which they were greatest. Widths are full widths of
 /// the box around the estimate, the wider of x and y, averaged over the run ("width") and over the instants just after a fix, a reading that
 /// constrained the pose ("at fix"). "error / half" is |error| of the box's middle over half the box's width, after the first 5 s: the greatest ratio,
-/// and the ratio that one step in a thousand exceeds; over several runs, that of the run where it is greatest. A method's "of position" and "of
+/// and the ratio that one step in a thousand exceeds; over several runs, that of the run where it is greatest. "NEES" is the mean normalised
+/// error squared of a localizer that states distributions, "in 3σ" the share of steps with the truth within three standard deviations along x, y and heading,
+/// "3σ" the full width of that region. A method's "of position" and "of
 /// heading" are its shares of all the times that methods halved the box's widths.
-pub(super) const COLUMNS: [Column; 30] = [
+pub(super) const COLUMNS: [Column; 34] = [
     text("scene", |line| line.scene.clone()),
     text("localizer", |line| line.subject.clone()),
     text(RUN, |line| line.run.clone()),
@@ -45,6 +47,10 @@ pub(super) const COLUMNS: [Column; 30] = [
     number("width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
     number("at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
     number("at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
+    number("NEES", "", |line| show(line, "distribution.nees.mean", 1.0, 1)),
+    number("in 3σ", "%", |line| share(line.figures.get("distribution.within_3_sigma_share"))),
+    number("3σ", "mm", |line| wider(&line.figures, "distribution.region_3_sigma")),
+    number("3σ", "°", |line| show(line, "distribution.region_3_sigma.heading_rad.mean", DEGREES, 2)),
     number("x error / half", "max, 99.9 %", |line| power(&line.figures, "x_m")),
     number("y error / half", "max, 99.9 %", |line| power(&line.figures, "y_m")),
     number("heading error / half", "max, 99.9 %", |line| power(&line.figures, "heading_rad")),

@@ -2,7 +2,11 @@
 
 use crate::campaign::cases::{CaseResult, Replay, Results};
 
-use super::{Group, Overview, text::first_outside};
+use super::{
+    Group, Overview,
+    costs::{HEADINGS, costs},
+    text::first_outside,
+};
 
 /// Greatest numbers of combinations, failed cases and missing cases in the Markdown report. The summary of a CI job may have a megabyte,
 /// but nobody reads more rows than these.
@@ -15,6 +19,7 @@ pub fn as_markdown(overview: &Overview, results: &Results) -> String {
     let verdict = if overview.has_passed() { "✅ passed" } else { "❌ failed" };
     let mut text = format!("## {verdict}: {}\n\n{}.\n\n", inline(&results.title), overview.headline());
     text += &table(overview);
+    text += &localizers(results);
     let absent = results.missing().map(|case| (case, "missing"));
     let absent: Vec<_> = absent.chain(results.failed()).collect();
     if !absent.is_empty() {
@@ -63,6 +68,24 @@ fn table(overview: &Overview) -> String {
     if overview.groups.len() > MOST_GROUPS {
         text += &format!("\nand {} combinations more\n", overview.groups.len() - MOST_GROUPS);
     }
+    text
+}
+
+/// The table of several localizers side by side; empty where there is nothing to compare.
+fn localizers(results: &Results) -> String {
+    let lines = costs(results);
+    if lines.is_empty() {
+        return String::new();
+    }
+    let line = |texts: &[&str], cells: &[String]| {
+        let all: Vec<String> = texts.iter().map(|text| inline(text)).chain(cells.iter().cloned()).collect();
+        format!("| {} |\n", all.join(" | "))
+    };
+    let rule = format!("| :-- | :-- |{}\n", " --: |".repeat(HEADINGS.len()));
+    let mut text = "\n### What a guarantee costs, and what overconfidence costs\n\n".to_owned();
+    text += &line(&["scene", "localizer"], &HEADINGS.map(str::to_owned));
+    text += &rule;
+    text.extend(lines.iter().map(|cost| line(&[&cost.scene, &cost.subject], &cost.cells)));
     text
 }
 

@@ -18,8 +18,8 @@ pub struct Measure {
 }
 
 /// All results that a report shows: the share of steps with the truth in the box, widths of the boxes, errors of their midpoints, availability, the
-/// ratio of error to half width, and goals reached on errands.
-pub const MEASURES: [Measure; 11] = [
+/// ratio of error to half width, normalised error and calibration of distributions, and goals reached on errands.
+pub const MEASURES: [Measure; 13] = [
     Measure {
         name: "contained",
         unit: "%",
@@ -91,6 +91,20 @@ pub const MEASURES: [Measure; 11] = [
         unit: "99.9 %",
         meaning: "what one step in a thousand exceeds of the error along heading over half the width after 5 s, in the run where that is greatest",
         value: |figures| scaled(figures, "power.after_5_s.heading_rad.p999", 1.0),
+        digits: 2,
+    },
+    Measure {
+        name: "NEES",
+        unit: "mean",
+        meaning: "mean normalised error squared of the stated distribution: 3 is right, more is overconfident",
+        value: |figures| scaled(figures, "distribution.nees.mean", 1.0),
+        digits: 1,
+    },
+    Measure {
+        name: "in 3σ",
+        unit: "%",
+        meaning: "share of steps with the truth within three stated standard deviations along x, y and heading",
+        value: |figures| scaled(figures, "distribution.within_3_sigma_share", 1e2),
         digits: 2,
     },
     Measure {

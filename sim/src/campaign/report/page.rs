@@ -12,6 +12,7 @@ use crate::{
 
 use super::{
     Overview, corridor,
+    costs::{HEADINGS, NOTE, costs},
     diagram::Diagram,
     heatmap::heatmaps,
     picture,
@@ -49,6 +50,7 @@ pub fn as_html(overview: &Overview, results: &Results) -> String {
                 (diagrams(results))
                 (worst_cases(overview, results))
                 (groups(overview))
+                (localizers(results))
                 (methods(overview))
                 (cases(overview, results))
                 (origin(results))
@@ -212,6 +214,27 @@ fn groups(overview: &Overview) -> Markup {
                 @for measure in overview.measures() { td { (measure.of(&group.figures)) } }
             } } }
         } }
+    }
+}
+
+/// Shows several localizers side by side.
+fn localizers(results: &Results) -> Markup {
+    let lines = costs(results);
+    html! {
+        @if !lines.is_empty() {
+            h2 { "What a guarantee costs, and what overconfidence costs" }
+            p.note { (NOTE) }
+            div.table { table {
+                thead { tr {
+                    th.text { "scene" } th.text { "localizer" }
+                    @for heading in HEADINGS { th { (heading) } }
+                } }
+                tbody id="localizers" { @for line in &lines { tr {
+                    td.text { (line.scene) } td.text { (line.subject) }
+                    @for cell in &line.cells { td { (cell) } }
+                } } }
+            } }
+        }
     }
 }
 

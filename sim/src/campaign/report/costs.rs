@@ -1,0 +1,121 @@
+//! What a guarantee costs, and what overconfidence costs: several localizers side by side on the same readings, scene by scene.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use crate::{
+    artefacts::result_table::pool,
+    campaign::cases::{CaseResult, Results},
+    judge::{corridor, figures::Figures},
+};
+
+/// One line of the table: all runs of a localizer in a scene with the same settings.
+#[derive(Clone, Debug)]
+pub(super) struct Cost {
+    /// The scene, with the keys that are set.
+    pub scene: String,
+    /// Name of the localizer.
+    pub subject: String,
+    /// Texts of the cells below [`HEADINGS`].
+    pub cells: [String; HEADINGS.len()],
+}
+
+/// Headings of the table, after those of scene and localizer.
+pub(super) const HEADINGS: [&str; 10] = [
+    "runs",
+    "RMSE, mm",
+    "RMSE heading, °",
+    "NEES",
+    "mean NEES in corridor, %",
+    "truth held, %",
+    "width, mm",
+    "width, °",
+    "per reading, ms",
+    "goals, %",
+];
+
+/// Sentences that explain the table.
+pub(super) const NOTE: &str = "RMSE: root mean square distance of the stated position (middle of the boxes, mean of a distribution). NEES: normalised error \
+    squared, 3 where the stated covariance is right, more where it is overconfident. Mean NEES in corridor: share of the whole seconds at which the mean \
+    over the runs is where 95 % of right filters have it. Truth held: share of steps with the truth in the boxes, or within 3σ along x, y and heading at \
+    once. Width: mean full width of the box or of 3σ, the wider of x and y.";
+
+/// The lines of the table; empty unless a localizer states distributions or several localizers ran.
+pub(super) fn costs(results: &Results) -> Vec<Cost> {
+    let mut groups: BTreeMap<(String, String), Vec<&CaseResult>> = BTreeMap::new();
+    for case in results.cases.iter().filter(|case| case.summary().is_some()) {
+        let scene = [case.scene.as_str(), &case.label()].join(" ").trim_end().to_owned();
+        groups.entry((scene, case.subject.clone())).or_default().push(case);
+    }
+    let has_several = groups.keys().any(|(_, subject)| Some(subject) != groups.keys().next().map(|(_, first)| first));
+    let lines: Vec<(Cost, bool)> = groups.into_iter().map(|(key, cases)| cost(key, &cases)).collect();
+    let is_asked = has_several || lines.iter().any(|(_, is_distribution)| *is_distribution);
+    lines.into_iter().filter(|_| is_asked).map(|(cost, _)| cost).collect()
+}
+
+/// The line of a localizer's runs in a scene, and whether it states distributions.
+fn cost((scene, subject): (String, String), cases: &[&CaseResult]) -> (Cost, bool) {
+    let figures: Vec<Figures> = cases.iter().map(|case| case.figures()).collect();
+    let pooled = pool(&figures.iter().collect::<Vec<_>>());
+    let figure = |name: &str| pooled.get(name).copied();
+    let wider = |table: &str| {
+        let along = |axis: &str| figure(&format!("{table}.{axis}.mean"));
+        Some(along("x_m")?.max(along("y_m")?))
+    };
+    let position_m = || Some(figure("error.x_m.rmse")?.hypot(figure("error.y_m.rmse")?));
+    let share = |part: Option<f64>| part.map(|share| 1e2 * share);
+    let goals = || Some(figure("metrics.goals_reached")? / figure("metrics.errands").filter(|errands| *errands > 0.0)?);
+    let times_ms: Vec<f64> =
+        cases.iter().filter_map(|case| case.timing()?["per_reading_ms"]["mean"].as_f64()).collect();
+    let per_reading_ms = (!times_ms.is_empty()).then(|| times_ms.iter().sum::<f64>() / times_ms.len() as f64);
+    let heading = |name: &str| figure(name).map(f64::to_degrees);
+    let region = "distribution.region_3_sigma";
+    let shown = |value: Option<f64>, digits: usize| value.map(|value| format!("{value:.digits$}")).unwrap_or_default();
+    let cells = [
+        cases.len().to_string(),
+        shown(position_m().map(|m| 1e3 * m), 1),
+        shown(heading("error.heading_rad.rmse"), 3),
+        shown(figure("distribution.nees.mean"), 1),
+        shown(share(in_corridor_share(cases)), 0),
+        held(figure("containment.contained_share").or_else(|| figure("distribution.within_3_sigma_share"))),
+        shown(wider("width").or_else(|| wider(region)).map(|m| 1e3 * m), 1),
+        shown(heading("width.heading_rad.mean").or_else(|| heading(&format!("{region}.heading_rad.mean"))), 2),
+        shown(per_reading_ms, 3),
+        shown(share(goals()), 0),
+    ];
+    (Cost { scene, subject, cells }, figure("distribution.checks").is_some())
+}
+
+/// A share in percent that reads 100 only when it is complete.
+fn held(share: Option<f64>) -> String {
+    match share {
+        None => String::new(),
+        Some(share) if share >= 1.0 => "100".to_owned(),
+        Some(share) => format!("{:.2}", (1e2 * share).min(99.99)),
+    }
+}
+
+/// Share of the whole seconds of several runs at which the mean of their normalised errors is in the corridor of so many runs; `None` for a single
+/// run, and for runs without distributions.
+fn in_corridor_share(cases: &[&CaseResult]) -> Option<f64> {
+    let runs: Vec<BTreeMap<u64, f64>> = cases.iter().map(|case| nees_by_second(&case.folder)).collect();
+    let (first, others) = runs.split_first().filter(|(_, others)| !others.is_empty())?;
+    let [low, high] = corridor(runs.len());
+    let mean = |second: &u64| -> Option<f64> {
+        let sum = others.iter().try_fold(*first.get(second)?, |sum, run| Some(sum + run.get(second)?))?;
+        Some(sum / runs.len() as f64)
+    };
+    let means: Vec<f64> = first.keys().filter_map(mean).collect();
+    let n_within = means.iter().filter(|mean| (low..=high).contains(*mean)).count();
+    (!means.is_empty()).then(|| n_within as f64 / means.len() as f64)
+}
+
+/// The normalised errors of a run at whole seconds, from its `distribution.csv`; none when it has no such file that can be read.
+fn nees_by_second(folder: &Path) -> BTreeMap<u64, f64> {
+    let Ok(text) = fs::read_to_string(folder.join("distribution.csv")) else { return BTreeMap::new() };
+    let of_line = |line: &str| {
+        let (time_s, rest) = line.split_once(',')?;
+        let second = time_s.strip_suffix(".000")?.parse().ok()?;
+        Some((second, rest.rsplit(',').next()?.parse().ok()?))
+    };
+    text.lines().skip(1).filter_map(of_line).collect()
+}
