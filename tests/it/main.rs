@@ -171,6 +171,8 @@ mod slots;
 mod bounds_watched;
 /// Tests of the dependencies that are allowed between the folders of each crate.
 mod structure;
+/// Tests of the Kalman filter and the particle filter as subjects: what they answer, how they are judged and named.
+mod estimators;
 /// Tests of a user's own localizers in the simulation loop: what they are given and how they are judged.
 mod subjects;
 /// Tests of the measures of a run: how much of the boxes' width the errors use, what counts as available, and what was not measured.

@@ -18,12 +18,12 @@ use super::{
 /// Share of χ² between the bounds of the corridor of normalised errors; Bar-Shalom, Li and Kirubarajan 2001, section 5.4.2, test at 95 %.
 const CORRIDOR_SHARE: f64 = 0.95;
 
-/// Corridor that holds the normalised error of one step with a probability of 95 % if the stated covariance is right: between the quantiles of χ² with
-/// 3 degrees of freedom at 2.5 % and at 97.5 %.
+/// Corridor that holds the normalised error of one step with a probability of 95 % if the stated covariance is right: between the quantiles of χ²
+/// with 3 degrees of freedom at 2.5 % and at 97.5 %.
 static CORRIDOR: LazyLock<[f64; 2]> = LazyLock::new(|| corridor(1));
 
-/// Corridor that holds the mean of the normalised errors of `n_runs` independent runs at one time with a probability of 95 % if the stated covariances
-/// are right (Bar-Shalom, Li and Kirubarajan 2001, eq. 5.4.2-9): quantiles of χ² with 3·n_runs degrees of freedom over n_runs.
+/// Corridor that holds the mean of the normalised errors of `n_runs` independent runs at one time with a probability of 95 % if the stated
+/// covariances are right (Bar-Shalom, Li and Kirubarajan 2001, eq. 5.4.2-9): quantiles of χ² with 3·n_runs degrees of freedom over n_runs.
 pub fn corridor(n_runs: usize) -> [f64; 2] {
     let n_runs = n_runs.max(1) as f64;
     [0.5 - 0.5 * CORRIDOR_SHARE, 0.5 + 0.5 * CORRIDOR_SHARE].map(|share| chi_squared(share, 3.0 * n_runs) / n_runs)
@@ -92,4 +92,5 @@ impl Judged<'_> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests;

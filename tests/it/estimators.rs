@@ -1,0 +1,115 @@
+//! The classical estimators as subjects: what they answer, how they are judged, and how the command names them.
+
+use std::fs;
+
+use serde_json::Value;
+use sim::{
+    judge::Verdict,
+    loading::SceneFile,
+    run::{RunOptions, RunRecord, run},
+    scene::Scene,
+    subject::{SubjectChoice, subject},
+};
+
+use crate::{
+    command::{blind_scene, folder_of, outcome, root, wherein},
+    judging::verdict_of_subject,
+};
+
+fn judged(scene: &Scene, name: &str, seed: u64) -> (RunRecord, Verdict) {
+    let choice: SubjectChoice = name.parse().unwrap();
+    let of = |told: &Scene| subject(&choice, told);
+    let record = run(scene, seed, &mut *of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = verdict_of_subject(scene, &record, &of);
+    (record, verdict)
+}
+
+fn scene_of(path: &str, duration_s: f64) -> Scene {
+    let mut scene = SceneFile::load_all(&[root().join(path)]).unwrap().remove(0).scene;
+    scene.duration_s = duration_s;
+    scene
+}
+
+fn rmse_m(verdict: &Verdict) -> f64 {
+    verdict.error.x_m.rmse.hypot(verdict.error.y_m.rmse)
+}
+
+#[test]
+fn filters_find_a_robot_by_satellites_and_are_surer_than_errors_that_last_allow() {
+    // The start is known to half a metre and to 20 degrees, positions to a centimetre or two: a filter that reads them is off by centimetres after the
+    // first few metres, and dead reckoning from the middle of the start box is not.
+    let scene = scene_of("scenes/gnss.toml", 35.0);
+    for name in ["ekf", "particles"] {
+        let (record, verdict) = judged(&scene, name, 4);
+        let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
+        let odometry_m = odometry.x_m.rmse.hypot(odometry.y_m.rmse);
+        assert!(rmse_m(&verdict) < 0.5 * odometry_m, "{name}: {} m, odometry {odometry_m} m", rmse_m(&verdict));
+        let stated = verdict.distribution.unwrap();
+        assert_eq!((stated.checks, stated.unusable), (record.truths.len(), 0), "{name}");
+        // The receiver's errors last for seconds, and a filter takes each position's for a new one.
+        assert!(stated.nees.mean > 3.0 && stated.calibration.within_99 < 0.99, "{name}: {stated:?}");
+        assert!(verdict.latency_s.unwrap().max < 0.1, "{name}");
+    }
+}
+
+#[test]
+fn landmarks_on_no_map_keep_the_kalman_filter_where_odometry_drifts() {
+    let scene = scene_of("scenes/papers/rigid_transform_loop.toml", 60.0);
+    let (_, verdict) = judged(&scene, "ekf", 2);
+    let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
+    let odometry_m = odometry.x_m.rmse.hypot(odometry.y_m.rmse);
+    assert!(rmse_m(&verdict) < 0.5 * odometry_m, "{} m, odometry {odometry_m} m", rmse_m(&verdict));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_answers() {
+    let scene = scene_of("scenes/gnss.toml", 5.0);
+    for name in ["ekf", "particles"] {
+        let [first, second] = [0; 2].map(|_| judged(&scene, name, 1).0);
+        assert!(first.stated == second.stated, "{name}");
+    }
+}
+
+#[test]
+fn a_localizer_is_chosen_by_its_name_and_named_in_what_it_leaves() {
+    let folder = folder_of("subject_named", &[("blind.toml", &blind_scene(2.0, ""))]);
+    let (code, _, said) = outcome(&mut wherein(&folder, &["run", "blind.toml", "--subject", "ekf,motion=2"]));
+    assert_eq!(code, 0, "{said}");
+    let summary: Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("renders/blind/0/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["subject"], "ekf,motion=2");
+    assert!(summary["distribution"]["checks"].as_u64().unwrap() > 100, "{summary:#}");
+    let steps = fs::read_to_string(folder.join("renders/blind/0/distribution.csv")).unwrap();
+    assert!(steps.starts_with("time_s,mean_x_m"), "{steps}");
+    assert_eq!(steps.lines().count() as u64, 1 + summary["distribution"]["checks"].as_u64().unwrap());
+}
+
+#[test]
+fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
+    let folder = folder_of("subjects_beside", &[("blind.toml", &blind_scene(2.0, ""))]);
+    for name in ["intervals", "ekf", "particles"] {
+        let arguments = ["run", "blind.toml", "--seeds", "0..2", "--subject", name, "--out", &format!("all/{name}")];
+        assert_eq!(outcome(&mut wherein(&folder, &arguments)).0, 0, "{name}");
+    }
+    let (code, _, said) = outcome(&mut wherein(&folder, &["report", "all"]));
+    assert_eq!(code, 0, "{said}");
+    let page = fs::read_to_string(folder.join("all/report.html")).unwrap();
+    assert!(page.contains("What a guarantee costs, and what overconfidence costs"), "{page}");
+    let markdown = fs::read_to_string(folder.join("all/summary.md")).unwrap();
+    let rows: Vec<&str> =
+        markdown.lines().filter(|line| line.starts_with("| blind | ") && line.matches('|').count() == 13).collect();
+    assert_eq!(rows.len(), 3, "{markdown}");
+    let (code, told, said) = outcome(&mut wherein(&folder, &["compare", "all/ekf", "all/particles"]));
+    assert!(code < 2 && told.contains("position error"), "{told}{said}");
+}
+
+#[test]
+fn a_name_that_no_localizer_has_is_refused_with_those_that_there_are() {
+    let folder = folder_of("subject_refused", &[("blind.toml", &blind_scene(1.0, ""))]);
+    for (name, expected) in [("kalman", "intervals, ekf, particles"), ("ekf,cues=0", "a number above 0")] {
+        let (code, _, said) = outcome(&mut wherein(&folder, &["run", "blind.toml", "--subject", name]));
+        assert_eq!(code, 2, "{name}");
+        assert!(said.contains(expected), "{said}");
+        assert!(!folder.join("renders").exists(), "{name}");
+    }
+}
