@@ -174,7 +174,9 @@ fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_w
     let ahead_m = 2.0 * 0.5 * 0.1 * 0.1;
     let counts = (ahead_m * COUNTS_PER_M * 1.2) as i64 - (ahead_m * COUNTS_PER_M * 0.8) as i64;
     let mut history = FlowHistory::new(model, 10.0);
-    [(0.0, 0), (0.4, counts)].into_iter().for_each(|(time_s, ahead)| history.push(time_s, [ahead, 0], 0));
+    [(0.0, 0), (0.4, counts)].into_iter().for_each(|(time_s, ahead)| {
+        history.push(time_s, [ahead, 0], 0);
+    });
     let gyro = gyro_told(40, |_| 0.0, 0.0);
     let motion = history.motion([0.0, 0.4], Some(&gyro), &wheels(), &reach).unwrap();
     assert!(motion.contains(&[0.0; 3]), "{motion:?}");
@@ -184,7 +186,9 @@ fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_w
 fn no_motion_is_told_to_an_earlier_stamp() {
     let reach = Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 };
     let mut history = FlowHistory::new(model(), 10.0);
-    (0..=20).for_each(|step| history.push(0.01 * f64::from(step), [0, 0], 0));
+    (0..=20).for_each(|step| {
+        history.push(0.01 * f64::from(step), [0, 0], 0);
+    });
     let gyro = gyro_told(20, |_| 0.0, 0.0);
     assert!(history.motion([0.1, 0.05], Some(&gyro), &wheels(), &reach).is_none());
 }
@@ -269,7 +273,9 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
         readings.retain(|_| rng.random_range(0..10) > 0);
         (1..readings.len()).for_each(|idx| readings.swap(idx, rng.random_range(idx.saturating_sub(3)..=idx)));
         let mut history = FlowHistory::new(model, 10.0);
-        readings.iter().for_each(|(time_s, counts)| history.push(*time_s, *counts, 0));
+        readings.iter().for_each(|(time_s, counts)| {
+            history.push(*time_s, *counts, 0);
+        });
         let at = |time_s: f64| poses[(time_s * 1000.0).round() as usize];
         let gyro = gyro_told(100, |time_s| at(time_s)[2], 1e-6);
         for _ in 0..100 {
@@ -294,7 +300,9 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
 fn a_blind_period_leaves_no_motion_across_it() {
     let reach = Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 };
     let mut history = FlowHistory::new(model(), 10.0);
-    (0..=20).for_each(|step| history.push(0.01 * f64::from(step), [0, 0], u64::from(step > 10)));
+    (0..=20).for_each(|step| {
+        history.push(0.01 * f64::from(step), [0, 0], u64::from(step > 10));
+    });
     let gyro = gyro_told(20, |_| 0.0, 0.0);
     let told = |from_s: f64, to_s: f64| history.motion([from_s, to_s], Some(&gyro), &wheels(), &reach).is_some();
     assert!(told(0.0, 0.1) && told(0.11, 0.2) && !told(0.05, 0.15) && !told(0.104, 0.108));

@@ -59,7 +59,9 @@ fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
         // which a reading is refused.
         readings.retain(|_| rng.random_range(0..8) > 0);
         readings.iter_mut().for_each(|(time_s, _)| *time_s -= 4e-6 * rng.random::<f64>());
-        readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
+        readings.iter().for_each(|(time_s, rate)| {
+            history.push(*time_s, *rate);
+        });
         let from_s = rng.random_range(0.0..0.9);
         let mut turns = history.turns_from(from_s, CHANGE_RAD_PER_S2);
         let mut to_s = from_s;
@@ -82,7 +84,9 @@ fn the_turn_is_inside_for_any_two_stamps() {
     for _ in 0..60 {
         let (headings, readings) = turned(&mut rng, 1.0);
         let mut history = GyroHistory::new(model(), 10.0);
-        readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
+        readings.iter().for_each(|(time_s, rate)| {
+            history.push(*time_s, *rate);
+        });
         for _ in 0..200 {
             let from = rng.random_range(100..headings.len() - 1);
             // The later stamp may also lie up to half a period beyond the last gyroscope reading.
@@ -108,7 +112,9 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
         let lost = rng.random_range(5..30);
         let mut history = GyroHistory::new(model(), 10.0);
         let kept = readings.iter().enumerate().filter(|(idx, _)| !(lost..lost + 3).contains(idx));
-        kept.for_each(|(_, (time_s, rate))| history.push(*time_s, *rate));
+        kept.for_each(|(_, (time_s, rate))| {
+            history.push(*time_s, *rate);
+        });
         for _ in 0..50 {
             // The turn between any two stamps must be contained, whether these are on both sides of the gap in the gyroscope's readings, within the
             // gap, or after the last reading.
@@ -138,7 +144,9 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
         period_s: 0.1,
     };
     let mut history = GyroHistory::new(exact, 10.0);
-    [(0.1, 0.25), (0.2, 0.75), (0.3, 1.25)].into_iter().for_each(|(end_s, rate)| history.push(end_s, rate));
+    [(0.1, 0.25), (0.2, 0.75), (0.3, 1.25)].into_iter().for_each(|(end_s, rate)| {
+        history.push(end_s, rate);
+    });
     for (from_s, to_s) in [(0.38, 0.39), (0.36, 0.37), (0.395, 0.399), (0.3, 0.4), (0.22, 0.24)] {
         let truth = 2.5 * (to_s * to_s - from_s * from_s);
         let turn = history.turn(from_s, to_s, 5.0).unwrap();
@@ -147,7 +155,9 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
     // Two gyroscope readings of 0 rad/s are four seconds apart. 1.5 s after the first one the rate may have risen to 1.5 rad/s, in either direction,
     // at 1 rad/s², and still be back at 0 for the second one.
     let mut sparse = GyroHistory::new(GyroModel { period_s: 0.01, ..exact }, 10.0);
-    [(1.0, 0.0), (5.0, 0.0)].into_iter().for_each(|(end_s, rate)| sparse.push(end_s, rate));
+    [(1.0, 0.0), (5.0, 0.0)].into_iter().for_each(|(end_s, rate)| {
+        sparse.push(end_s, rate);
+    });
     let turn = sparse.turn(2.4, 2.6, 1.0).unwrap();
     assert!(turn.contains(0.29) && turn.contains(-0.29), "{turn:?}");
 }
@@ -159,7 +169,9 @@ fn a_pushed_robot_may_turn_about_within_a_period() {
     let exact =
         GyroModel { noise_rad_per_s: 0.0, bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), ..model() };
     let mut history = WheelHistory::new(10.0).with_gyro(exact);
-    [0.01, 0.02, 0.03].into_iter().for_each(|end_s| history.push_rate(end_s, 0.0));
+    [0.01, 0.02, 0.03].into_iter().for_each(|end_s| {
+        history.push_rate(end_s, 0.0);
+    });
     let turn = history.reach_motion(0.01, 0.015, &reach)[2];
     assert!(turn.contains(0.008) && turn.contains(-0.008), "{turn:?}");
     // Over whole periods of the gyroscope, the mean rate that it read determines the turn, whatever the robot did within the periods.
@@ -264,7 +276,9 @@ fn a_gap_in_the_readings_costs_the_floor_once_more() {
     let model = GyroModel { noise_rad_per_s: 0.1, angle_floor_rad: 0.0004, angle_rad_per_s: 0.0, ..model() };
     let width = |lost: std::ops::Range<usize>| {
         let mut history = GyroHistory::new(model, 20.0);
-        (1..=500).filter(|step| !lost.contains(step)).for_each(|step| history.push(step as f64 * PERIOD_S, 0.0));
+        (1..=500).filter(|step| !lost.contains(step)).for_each(|step| {
+            history.push(step as f64 * PERIOD_S, 0.0);
+        });
         history.turn(0.0, 5.0, 0.0).unwrap().width()
     };
     // A missing reading costs the floor of the bound on accumulated noise once more. In addition the robot may have turned during that reading at the

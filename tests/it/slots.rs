@@ -2,7 +2,10 @@
 //! from the last stored pose before it, however old that one is.
 
 use interval::Interval;
-use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, method::Context};
+use localizer::{
+    Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, localizer::Dropped,
+    method::Context,
+};
 
 use crate::range_landmarks_setup::{robot, says};
 
@@ -51,8 +54,8 @@ fn rest(localizer: &mut Localizer, [from_s, to_s]: [f64; 2]) {
 /// Gives the localizer a range reading with this stamp, and asserts that the truth stays inside the box and that no assumption is doubted;
 /// returns the pose at the stamp.
 fn look(localizer: &mut Localizer, measured_s: f64, arrived_s: f64) -> PoseUnion {
-    let accounts = localizer.observe(&Reading::Range { measured_s, arrived_s, sightings: Vec::new() });
-    let [account] = accounts.as_slice() else { panic!("the reading at {measured_s} s is refused") };
+    let observed = localizer.observe(&Reading::Range { measured_s, arrived_s, sightings: Vec::new() });
+    let [account] = observed.accounts.as_slice() else { panic!("the reading at {measured_s} s: {observed:?}") };
     assert!(!account.emptied && account.posterior.hull().contains(&[0.0; 3]), "{:?}", account.posterior);
     assert!(account.posterior.hull()[0].is_subset_of(Interval::centred(0.0, 0.01)));
     let estimate = localizer.estimate();
@@ -93,7 +96,30 @@ fn a_reading_older_than_stamps_are_remembered_is_refused_however_old_the_last_sl
     let mut localizer = resting(5.0);
     rest(&mut localizer, [0.0, 8.0]);
     let late = Reading::Range { measured_s: 4.9, arrived_s: 8.0, sightings: Vec::new() };
-    assert!(localizer.observe(&late).is_empty());
+    let observed = localizer.observe(&late);
+    let Some(Dropped::TooOld { age_s, .. }) = observed.dropped else { panic!("{observed:?}") };
+    assert!((age_s - 3.1).abs() < 1e-9 && observed.accounts.is_empty(), "{age_s}");
+}
+
+#[test]
+fn a_reading_that_cannot_be_used_is_answered_by_the_reason() {
+    let dropped = |localizer: &mut Localizer, reading: Reading| localizer.observe(&reading).dropped;
+    let range = |measured_s, arrived_s| Reading::Range { measured_s, arrived_s, sightings: Vec::new() };
+    let mut localizer = resting(5.0);
+    assert_eq!(dropped(&mut localizer, range(0.0, 0.0)), Some(Dropped::NoMotion));
+    rest(&mut localizer, [0.0, 1.0]);
+    assert_eq!(dropped(&mut localizer, range(0.5, 1.0)), None);
+    assert_eq!(dropped(&mut localizer, range(-0.5, 1.0)), Some(Dropped::BeforeStart));
+    let wheels = |measured_s| Reading::Wheels { measured_s, arrived_s: 1.0, ticks: [0; 2] };
+    assert_eq!(dropped(&mut localizer, wheels(1.0)), Some(Dropped::Overtaken));
+    assert_eq!(dropped(&mut localizer, wheels(1.01)), None);
+    // The robot has neither a gyroscope nor a flow sensor, and no method reads a beacon.
+    let gyro = Reading::Gyro { measured_s: 1.0, arrived_s: 1.0, rate_rad_per_s: 0.0 };
+    let flow = Reading::Flow { measured_s: 1.0, arrived_s: 1.0, counts: [0; 2], blind_periods: 0 };
+    let beacon = Reading::Other { measured_s: 1.0, arrived_s: 1.0, device: "beacon".to_owned(), numbers: Vec::new() };
+    for unknown in [gyro, flow, beacon] {
+        assert_eq!(dropped(&mut localizer, unknown), Some(Dropped::UnknownDevice));
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod hypothesis;
 mod learning;
 mod moves;
 mod naming;
+mod observed;
 mod relating;
 mod ring;
 mod slip;
@@ -33,6 +34,7 @@ use hypothesis::{Failed, Hypothesis};
 use moves::{REACH, assumptions, memory_s, motion_between, motion_history};
 pub use naming::Contradiction;
 use naming::{Intersected, Naming};
+pub use observed::{Dropped, Observed};
 use relating::Graph;
 pub use relating::PoseWidth;
 use ring::{Ring, Slot};
@@ -163,26 +165,23 @@ impl Localizer {
         self.ring.push(Slot::anchor(0.0, vec![self.current.clone()]));
     }
 
-    /// Processes one sensor reading; readings have to come in order of arrival. Returns, for each method that used the reading, an account of what
-    /// came of it.
-    pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
+    /// Processes one sensor reading; readings have to come in order of arrival. Returns what became of it: for each method that used the reading an
+    /// account of what came of it, or why the reading was dropped.
+    pub fn observe(&mut self, reading: &Reading) -> Observed {
         match reading {
-            Reading::Wheels { measured_s, ticks, .. } => {
-                self.roll(*measured_s, *ticks);
-                Vec::new()
-            }
+            Reading::Wheels { measured_s, ticks, .. } => Observed::of_motion(Some(self.roll(*measured_s, *ticks))),
             Reading::Gyro { measured_s, rate_rad_per_s, .. } => {
-                self.wheels.push_rate(*measured_s, *rate_rad_per_s);
+                let is_new = self.wheels.push_rate(*measured_s, *rate_rad_per_s);
                 self.note_late(*measured_s);
                 if let Some(fixes) = &mut self.fixes {
                     fixes.read(*measured_s, *rate_rad_per_s);
                 }
-                Vec::new()
+                Observed::of_motion(is_new)
             }
             Reading::Flow { measured_s, counts, blind_periods, .. } => {
-                self.wheels.push_flow(*measured_s, *counts, *blind_periods);
+                let is_new = self.wheels.push_flow(*measured_s, *counts, *blind_periods);
                 self.note_late(*measured_s);
-                Vec::new()
+                Observed::of_motion(is_new)
             }
             Reading::Camera { .. } | Reading::Range { .. } | Reading::Other { .. } => self.look(reading),
         }
@@ -228,14 +227,14 @@ impl Localizer {
         estimate
     }
 
-    /// Takes in a wheel reading and predicts the pose union up to its stamp.
-    fn roll(&mut self, time_s: f64, ticks: [i64; 2]) {
+    /// Takes in a wheel reading and predicts the pose union up to its stamp. Returns whether the reading is newer than those before.
+    fn roll(&mut self, time_s: f64, ticks: [i64; 2]) -> bool {
         let before_s = self.wheels.latest().map_or(0.0, |before| before.time_s);
         if !self.wheels.push(time_s, ticks) {
-            return;
+            return false;
         }
         self.now_s = time_s;
-        let Some(sample) = self.wheels.latest().copied() else { return };
+        let Some(sample) = self.wheels.latest().copied() else { return false };
         if let Some(integral) = &mut self.integral {
             self.wheels.advance(integral, &sample, &self.robot.wheels, &self.robot.reach);
         } else {
@@ -251,6 +250,7 @@ impl Localizer {
         self.learn_at_rest(time_s, ticks);
         self.work_on_graph();
         self.work_on_names();
+        true
     }
 
     /// Notes that a gyroscope or flow reading arrived after poses at later stamps had been predicted, so that they are predicted again with it.
@@ -338,9 +338,14 @@ impl Localizer {
     }
 
     /// Lets every method read an image or other reading, and applies the resulting constraints at the reading's own stamp.
-    fn look(&mut self, reading: &Reading) -> Vec<Account> {
+    fn look(&mut self, reading: &Reading) -> Observed {
         let stamp_s = reading.measured_s();
-        let Some(prior) = self.union_at(stamp_s) else { return Vec::new() };
+        if !self.methods.iter().any(|method| method.reads(reading)) {
+            return Observed::dropped(Dropped::UnknownDevice);
+        }
+        let Some(prior) = self.union_at(stamp_s) else {
+            return Observed::dropped(Dropped::for_want_of_pose(stamp_s, self.now_s, self.doubts.ended_s));
+        };
         let mut accounts = Vec::new();
         for idx in 0..self.methods.len() {
             if !self.methods[idx].reads(reading) {
@@ -369,7 +374,7 @@ impl Localizer {
             self.relate(hung_s, &posterior, relations);
             accounts.push(account);
         }
-        accounts
+        Observed::used(accounts)
     }
 
     /// The constraint that a method makes of a reading; `prior` encloses the pose at its stamp.

@@ -68,16 +68,17 @@ impl FlowHistory {
     }
 
     /// Adds a flow sensor reading at its place in time, as totals need not arrive in order; a duplicate is dropped.
-    pub fn push(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) {
+    pub fn push(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) -> bool {
         let place = self.readings.partition_point(|reading| reading.time_s < time_s - SAME_S);
         if self.readings.get(place).is_some_and(|reading| reading.time_s <= time_s + SAME_S) {
-            return;
+            return false;
         }
         self.readings.insert(place, FlowReading { time_s, counts, blind_periods });
         let latest_s = self.readings.back().map_or(time_s, |latest| latest.time_s);
         while self.readings.front().is_some_and(|first| first.time_s < latest_s - self.keep_s) {
             self.readings.pop_front();
         }
+        true
     }
 
     /// The model of the flow sensor.

@@ -53,7 +53,7 @@ impl GyroHistory {
 
     /// Adds a gyroscope reading at the place of its period in time. A late reading is dropped if its period overlaps that of another reading, as
     /// a duplicate's does, or if it is older than all readings in memory.
-    pub fn push(&mut self, time_s: f64, rate_rad_per_s: f64) {
+    pub fn push(&mut self, time_s: f64, rate_rad_per_s: f64) -> bool {
         let place = self.readings.partition_point(|(end_s, _)| *end_s < time_s);
         let begin_s = time_s - self.model.period_s;
         let before = place.checked_sub(1).and_then(|idx| self.readings.get(idx));
@@ -63,13 +63,14 @@ impl GyroHistory {
                 .is_some_and(|(end_s, _)| end_s - self.model.period_s < time_s - PERIOD_S_SLACK * self.model.period_s);
         let is_late = self.readings.back().is_some_and(|(latest_s, _)| time_s <= latest_s + SAME_S);
         if is_late && (overlaps || before.is_none()) {
-            return;
+            return false;
         }
         self.readings.insert(place, (time_s, rate_rad_per_s));
         let latest_s = self.readings.back().map_or(time_s, |(latest_s, _)| *latest_s);
         while self.readings.front().is_some_and(|(first_s, _)| *first_s < latest_s - self.keep_s) {
             self.readings.pop_front();
         }
+        true
     }
 
     /// Turn by the gyroscope from `from_s` to `to_s`, while turn rates change by at most `change_rad_per_s2`; `None` before the first reading has

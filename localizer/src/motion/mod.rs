@@ -99,11 +99,9 @@ impl WheelHistory {
         SlipExcess::over(&self.excesses, span_s, wheels)
     }
 
-    /// Adds a reading of the flow sensor.
-    pub fn push_flow(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) {
-        if let Some(flow) = &mut self.flow {
-            flow.push(time_s, counts, blind_periods);
-        }
+    /// Adds a reading of the flow sensor. Returns whether there was none of its stamp yet; `None` for a robot without the sensor.
+    pub fn push_flow(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) -> Option<bool> {
+        Some(self.flow.as_mut()?.push(time_s, counts, blind_periods))
     }
 
     /// Motion by the flow sensor and the gyroscope, whatever the wheels do. It is `None` when the robot lacks one of these sensors, where their
@@ -125,11 +123,9 @@ impl WheelHistory {
         self.flow.as_ref()?.way([from_s, to_s], heading_rad, self.gyro.as_ref()?, wheels, reach)
     }
 
-    /// Adds a reading of the gyroscope.
-    pub fn push_rate(&mut self, time_s: f64, rate_rad_per_s: f64) {
-        if let Some(gyro) = &mut self.gyro {
-            gyro.push(time_s, rate_rad_per_s);
-        }
+    /// Adds a reading of the gyroscope. Returns whether it fits among those that have come before; `None` for a robot without a gyroscope.
+    pub fn push_rate(&mut self, time_s: f64, rate_rad_per_s: f64) -> Option<bool> {
+        Some(self.gyro.as_mut()?.push(time_s, rate_rad_per_s))
     }
 
     /// Replaces the gyroscope's bias and scale by intervals that are known better than the declared ones.

@@ -46,7 +46,7 @@ impl Subject for IntervalLocalizer {
     }
 
     fn observe(&mut self, reading: &Reading) {
-        self.accounts = self.localizer.observe(reading);
+        self.accounts = self.localizer.observe(reading).accounts;
     }
 
     fn estimate_at(&self, time_s: f64) -> Answer {
