@@ -1,6 +1,6 @@
 //! Planar poses, boxes of poses and unions of boxes. Headings are real numbers and are never wrapped to one turn.
 
-use std::cmp::Ordering;
+use std::{cmp::Ordering, f64::consts::TAU};
 
 use interval::{Interval, IntervalBox};
 
@@ -108,6 +108,23 @@ impl PoseUnion {
     /// times.
     pub const MOST_PAIRS: usize = 4096;
 
+    /// Whether at least one box of the union contains the given pose with its heading turned by any number of whole turns, for a pose whose heading is
+    /// wrapped or counted from another time. Whole turns are rounded outwards, so that a pose on the face of a box counts as contained.
+    pub fn contains_modulo_turn(&self, pose: Pose) -> bool {
+        let whole_turn = Interval::PI * 2.0;
+        self.branches.iter().any(|branch| {
+            let at = Interval::point(pose.heading_rad);
+            // Whole numbers of turns that may bring the heading into the branch: with one more at either end, rounding misses none.
+            let (fewest, most) = ((branch[2].lo() - pose.heading_rad) / TAU, (branch[2].hi() - pose.heading_rad) / TAU);
+            let in_place = branch[0].contains(pose.x_m) && branch[1].contains(pose.y_m);
+            in_place
+                && (most - fewest >= 1.0 || {
+                    let n_turns = [fewest.floor(), fewest.ceil(), most.ceil()];
+                    n_turns.iter().any(|n| !(at + whole_turn * *n).intersect(branch[2]).is_empty())
+                })
+        })
+    }
+
     /// Whether at least one box of the union contains the given pose.
     pub fn contains(&self, pose: Pose) -> bool {
         self.branches.iter().any(|branch| branch.contains(&pose.to_array()))
@@ -159,6 +176,45 @@ mod tests {
         let thinned = all.clone().without_repeats();
         assert!(thinned.branches.len() <= PoseUnion::MOST_BRANCHES, "{}", thinned.branches.len());
         assert!(all.branches.iter().all(|branch| thinned.branches.iter().any(|other| branch.is_subset_of(other))));
+    }
+
+    #[test]
+    fn a_heading_may_be_told_modulo_a_turn() {
+        let box_of = |low_rad, high_rad| {
+            PoseUnion::single(PoseBox::from([
+                Interval::new(0.0, 1.0),
+                Interval::new(0.0, 1.0),
+                Interval::new(low_rad, high_rad),
+            ]))
+        };
+        let at = |heading_rad| Pose { x_m: 0.5, y_m: 0.5, heading_rad };
+        // After three turns to the left and a little, the wrapped heading is 0.1 rad.
+        let turned = box_of(18.9, 19.0);
+        assert!(
+            turned.contains_modulo_turn(at(0.1))
+                && turned.contains_modulo_turn(at(0.1 - TAU))
+                && turned.contains(at(18.95))
+        );
+        assert!(!turned.contains_modulo_turn(at(0.0)) && !turned.contains_modulo_turn(at(0.2)));
+        assert!(!turned.contains_modulo_turn(Pose { x_m: 1.5, ..at(0.1) }));
+        // Across the seam of wrapped headings, and where every heading is possible.
+        let seam = box_of(3.1, 3.2);
+        assert!(
+            seam.contains_modulo_turn(at(-3.1))
+                && seam.contains_modulo_turn(at(3.15))
+                && !seam.contains_modulo_turn(at(-3.0))
+        );
+        assert!(box_of(-10.0, 10.0).contains_modulo_turn(at(1000.0)));
+        // Headings on the face of a box, however many turns away, are held.
+        for turns in -1000..1000 {
+            let away = box_of(TAU * f64::from(turns), TAU * f64::from(turns) + 0.5);
+            assert!(
+                away.contains_modulo_turn(at(0.0))
+                    && away.contains_modulo_turn(at(0.25))
+                    && !away.contains_modulo_turn(at(-0.01))
+            );
+        }
+        assert!(!PoseUnion::default().contains_modulo_turn(at(0.0)));
     }
 
     #[test]
