@@ -218,6 +218,26 @@ fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
 }
 
 #[test]
+fn outliers_are_named_by_the_constraints_that_exclude_what_the_others_leave() {
+    // Distances from six beacons to the point (1, 2), of which the second and the fifth are a metre too long.
+    let beacons = [[0.0, 0.0], [4.0, 0.0], [0.0, 5.0], [4.0, 5.0], [-3.0, 2.0], [1.0, -4.0]];
+    let constraint = |index: usize| {
+        let [a, b]: [f64; 2] = beacons[index];
+        let off_m = if [1, 4].contains(&index) { 1.0 } else { 0.0 };
+        let range = Interval::centred((1.0 - a).hypot(2.0 - b) + off_m, 0.05);
+        Box::new(ForwardBackward::<2>::new(move |[x, y]| (x - a).hypot(y - b), range)) as Box<_>
+    };
+    let relaxed = QRelaxed { contractors: (0..6).map(constraint).collect(), q: 2 };
+    let room = IntervalBox::new([Interval::new(-5.0, 5.0); 2]);
+    // Every constraint agrees with some point of the room.
+    assert!(relaxed.excluding(&room).is_empty());
+    let left = paving::hull(&paving::cover(&relaxed, room, &[0, 1], 0.01));
+    assert!(left.contains(&[1.0, 2.0]) && left.width(0) < 0.3 && left.width(1) < 0.3, "{left:?}");
+    assert_eq!(relaxed.excluding(&left), [1, 4]);
+    assert_eq!(relaxed.excluding(&IntervalBox::EMPTY), [0, 1, 2, 3, 4, 5]);
+}
+
+#[test]
 fn a_landmark_that_is_anywhere_changes_nothing_and_one_that_is_nowhere_leaves_no_pose() {
     let (mut landmarks, truth) = four_landmarks();
     let prior = IntervalBox::new([Interval::new(-3.0, 3.0); 3]);

@@ -22,6 +22,22 @@ pub struct QRelaxed<const N: usize> {
     pub q: usize,
 }
 
+impl<const N: usize> QRelaxed<N> {
+    /// Indices of the constraints that exclude every point of a box, in rising order. After [`contract`](Contractor::contract) has left few points,
+    /// these are the constraints that are surely violated if the others are right: the outliers, such as landmarks that are taken for others.
+    ///
+    /// A constraint that is not listed may be violated nevertheless, because some point of the box agrees with it or because its contractor is not
+    /// the sharpest. More than `q` indices prove that the box holds no solution.
+    pub fn excluding(&self, domain: &IntervalBox<N>) -> Vec<usize> {
+        let excludes = |contractor: &dyn Contractor<N>| {
+            let mut alone = *domain;
+            contractor.contract(&mut alone);
+            alone.is_empty()
+        };
+        (0..self.contractors.len()).filter(|index| excludes(&*self.contractors[*index])).collect()
+    }
+}
+
 impl<const N: usize> Contractor<N> for QRelaxed<N> {
     fn contract(&self, domain: &mut IntervalBox<N>) -> Outcome {
         if self.q >= self.contractors.len() {
