@@ -19,6 +19,13 @@ pub struct Map {
     pub wall_directions_rad: Vec<Interval>,
 }
 
+impl Map {
+    /// A map of a room of which nothing is known but the intervals of x and y in which it lies.
+    pub fn of_room(room_m: [Interval; 2]) -> Map {
+        Map { room_m, tiles: None, markers: None, wall_directions_rad: Vec::new() }
+    }
+}
+
 /// Map of the dot-matrix markers that are pasted on the ceiling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerMap {

@@ -2,6 +2,8 @@
 
 use image::GrayImage;
 
+use crate::robot::ODOMETRY_TICK_M;
+
 /// One reading of one sensor.
 #[derive(Clone, Debug)]
 pub enum Reading {
@@ -122,6 +124,14 @@ impl Camera {
 }
 
 impl Reading {
+    /// A reading of odometry that gives the travel of the left and of the right wheel since the start in metres, for a robot whose wheels are
+    /// [`WheelModel::of_odometry`](crate::robot::WheelModel::of_odometry).
+    pub fn odometry(measured_s: f64, arrived_s: f64, travel_m: [f64; 2]) -> Reading {
+        // A way of up to nine million kilometres has so few ticks that the conversion is exact.
+        let ticks = travel_m.map(|way_m| (way_m / ODOMETRY_TICK_M).floor() as i64);
+        Reading::Wheels { measured_s, arrived_s, ticks }
+    }
+
     /// Time at which the reading was measured, by its stamp.
     pub fn measured_s(&self) -> f64 {
         match self {

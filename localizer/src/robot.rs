@@ -27,6 +27,23 @@ pub struct RobotModel {
     pub range_camera: Option<RangeCameraModel>,
 }
 
+impl RobotModel {
+    /// A robot that has nothing but its drive, on a level floor and without any extent. Devices are added as fields.
+    pub fn new(wheels: WheelModel, reach: Reach) -> RobotModel {
+        RobotModel {
+            wheels,
+            reach,
+            body: BodyModel { tilt_rad: 0.0, heave_m: 0.0, clearance_m: 0.0 },
+            floor_camera: None,
+            forward_camera: None,
+            gyro: None,
+            flow: None,
+            ceiling_camera: None,
+            range_camera: None,
+        }
+    }
+}
+
 /// Drive wheels and encoders, with bounds on the displacement by slip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelModel {
@@ -49,6 +66,49 @@ pub struct WheelModel {
     pub side_slip_floor_m: f64,
     /// Length of the time window over which the bounds on slip and on side slip hold.
     pub slip_window_s: f64,
+}
+
+/// Law of the error of odometry: over any time T in which the odometry counts the way L, its error is at most `floor_m + share·L + m_per_s·T`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorLaw {
+    /// Part of the error that does not grow.
+    pub floor_m: f64,
+    /// Part of the error that grows with the way, as a share of it.
+    pub share: f64,
+    /// Part of the error that grows with the time.
+    pub m_per_s: f64,
+}
+
+/// Length that stands for one encoder tick where odometry comes in metres: it is as nothing beside any odometry's error.
+pub(crate) const ODOMETRY_TICK_M: f64 = 1e-6;
+/// Shortest and longest slip window of odometry in metres. Shorter windows make the localizer store more poses; longer ones make it remember more
+/// readings.
+const ODOMETRY_WINDOW_S: [f64; 2] = [0.5, 5.0];
+
+impl WheelModel {
+    /// Wheels that stand for the odometry of a differential drive from elsewhere, whose readings are made by
+    /// [`Reading::odometry`](crate::Reading::odometry). `along` is the law of each wheel's travel, `aside` that of the sideways travel of the axle's
+    /// middle, in which L is the mean of both wheels' ways.
+    pub fn of_odometry(track_m: Interval, along: ErrorLaw, aside: ErrorLaw) -> WheelModel {
+        // A slip bound has a floor for every window that is begun. With a + c·W for each window W, n windows give n·a + n·c·W ≥ a + c·T. A window of
+        // a/c makes both parts equal.
+        let [shortest_s, longest_s] = ODOMETRY_WINDOW_S;
+        let balanced_s = along.floor_m / along.m_per_s;
+        let slip_window_s = if balanced_s.is_nan() { longest_s } else { balanced_s.clamp(shortest_s, longest_s) };
+        let floor_m = |law: ErrorLaw| law.floor_m + law.m_per_s * slip_window_s;
+        // A turn of a wheel of this radius by one tick is a way of the length that stands for a tick.
+        let radius_m = Interval::point(ODOMETRY_TICK_M) / (Interval::PI * 2.0);
+        WheelModel {
+            radius_m: [radius_m; 2],
+            track_m,
+            ticks_per_turn: 1.0,
+            slip_ratio: along.share,
+            slip_floor_m: floor_m(along),
+            side_slip_ratio: aside.share,
+            side_slip_floor_m: floor_m(aside),
+            slip_window_s,
+        }
+    }
 }
 
 /// Physical limits of any motion of the robot, pushes included. They are declared generously, so that they hold even when the wheel readings are
@@ -263,4 +323,28 @@ pub struct FlowModel {
     pub back_and_forth_m: f64,
     /// Time between two readings of the flow sensor.
     pub period_s: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slip_bounds_of_odometry_hold_all_that_its_law_allows() {
+        let none = ErrorLaw { floor_m: 0.0, share: 0.0, m_per_s: 0.0 };
+        let laws = [(0.01, 0.001), (0.0, 0.01), (0.02, 0.0), (0.0, 0.0), (1.0, 1e-6), (1e-6, 1.0)];
+        for (floor_m, m_per_s) in laws {
+            let law = ErrorLaw { floor_m, share: 0.05, m_per_s };
+            let wheels = WheelModel::of_odometry(Interval::point(0.4), law, none);
+            for step in 1..1000 {
+                let time_s = 0.037 * f64::from(step);
+                // Over a longer span the floor counts once for every window that is begun.
+                let bound_m = wheels.slip_floor_m * (time_s / wheels.slip_window_s).ceil();
+                assert!(bound_m >= floor_m + m_per_s * time_s - 1e-12, "{law:?} over {time_s} s: {bound_m} m");
+            }
+            assert_eq!((wheels.slip_ratio, wheels.side_slip_floor_m), (0.05, 0.0));
+            let tick_m = wheels.metres_per_tick(0);
+            assert!(tick_m.contains(ODOMETRY_TICK_M) && tick_m.width() < 1e-20, "{tick_m}");
+        }
+    }
 }

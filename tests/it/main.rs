@@ -175,6 +175,8 @@ mod structure;
 mod estimators;
 /// Tests of a user's own localizers in the simulation loop: what they are given and how they are judged.
 mod subjects;
+/// Tests of a localization method that is written outside of the localizer's crate.
+mod own_method;
 /// Tests of the measures of a run: how much of the boxes' width the errors use, what counts as available, and what was not measured.
 mod power;
 /// Tests of runs whose localizer is given narrower bounds than the true ones.
