@@ -177,6 +177,8 @@ mod estimators;
 mod subjects;
 /// Tests of a localization method that is written outside of the localizer's crate.
 mod own_method;
+/// Tests of localizers in processes of their own: the stream that they are sent, their answers, and those that misbehave.
+mod own_process;
 /// Tests of the measures of a run: how much of the boxes' width the errors use, what counts as available, and what was not measured.
 mod power;
 /// Tests of runs whose localizer is given narrower bounds than the true ones.

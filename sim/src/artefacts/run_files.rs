@@ -10,6 +10,7 @@
 //! | `distribution.csv` | mean, covariance and normalised error at every step, for a localizer that states distributions |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
 //! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers |
+//! | `subject.log` | what a tested localizer in a process of its own wrote to its standard error, if anything |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was given and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
@@ -167,6 +168,9 @@ fn read_json(path: &Path) -> Result<Value, RecordError> {
     naming("read", path, serde_json::from_str(&text).map_err(io::Error::from))
 }
 
+/// File in the folder of a run with what the localizer under test wrote for its author.
+pub(crate) const SUBJECT_LOG: &str = "subject.log";
+
 /// Ending of the name of a folder or file that is still being written.
 const PARTIAL: &str = ".partial";
 
@@ -195,6 +199,9 @@ pub(crate) fn fill(
     if let Some(log) = &record.errands {
         write("errands.csv", errands::errands_csv(record, log))?;
         debug_frames::write_errands(partial, file, record)?;
+    }
+    if let Some(log) = record.subject_log.as_ref().filter(|log| !log.is_empty()) {
+        write(SUBJECT_LOG, log.clone())?;
     }
     if let Some(tables) = marker_tables::marker_tables(&file.scene, record) {
         write("marker_tables.md", tables)?;

@@ -31,6 +31,7 @@ mod scenes_and_seeds;
 mod sharpness;
 mod sweep;
 mod table;
+mod tested;
 mod upgrade;
 mod weaken;
 

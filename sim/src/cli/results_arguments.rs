@@ -10,8 +10,9 @@ use crate::{
         sweep::{Seeds, Shard, Variable},
     },
     run::FramesPolicy,
-    subject::SubjectChoice,
 };
+
+use super::tested::Tested;
 
 /// Arguments of `wherein sweep`.
 #[derive(Debug, Args)]
@@ -26,9 +27,8 @@ pub(super) struct SweepArguments {
     /// Seeds with which each combination of the keys' values runs, A included and B not.
     #[arg(long, value_name = "A..B")]
     pub(super) seeds: Option<Seeds>,
-    /// Localizer to test: intervals (the project's own), ekf (Kalman filter) or particles (particle filter).
-    #[arg(long, value_name = "NAME", default_value_t)]
-    pub(super) subject: SubjectChoice,
+    #[command(flatten)]
+    pub(super) tested: Tested,
     /// Number of runs at the same time. By default the number of processor cores.
     #[arg(long, value_name = "N")]
     pub(super) jobs: Option<NonZeroUsize>,

@@ -11,7 +11,7 @@ use crate::{
     artefacts::{
         recording::{Form, LiveServer, Recording},
         result_table::{Outcome, as_text, lines},
-        run_files::{self, program_digest, scene_digest},
+        run_files::{self, SUBJECT_LOG, program_digest, scene_digest},
     },
     campaign::{
         cases::{CaseResult, Results, program, quoted, subject_option},
@@ -23,10 +23,12 @@ use crate::{
     render::Renderer,
     run::{FramesPolicy, RunOptions, run_otherwise, run_witnessed},
     scene::Scene,
-    subject::{SubjectChoice, subject},
+    subject::subject,
 };
 
-use super::{CommandError, conclude::write_junit, github::tell_github, print, scenes_and_seeds::ScenesAndSeeds};
+use super::{
+    CommandError, conclude::write_junit, github::tell_github, print, scenes_and_seeds::ScenesAndSeeds, tested::Tested,
+};
 
 /// Arguments of `wherein run`.
 #[derive(Debug, Args)]
@@ -34,9 +36,8 @@ use super::{CommandError, conclude::write_junit, github::tell_github, print, sce
 pub(super) struct RunArguments {
     #[command(flatten)]
     which: ScenesAndSeeds,
-    /// Localizer to test: intervals (the project's own), ekf (Kalman filter) or particles (particle filter).
-    #[arg(long, value_name = "NAME", default_value_t)]
-    subject: SubjectChoice,
+    #[command(flatten)]
+    tested: Tested,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
@@ -58,7 +59,8 @@ pub(super) struct RunArguments {
     /// Write the results as JUnit XML into this file, too.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Skip runs that this build of the program has already recorded for the same scene, to continue an interrupted command.
+    /// Skip runs that this build of the program has already recorded for the same scene, to continue an interrupted command. Runs of a command given
+    /// by --subject are never skipped, as its program may have changed.
     #[arg(long)]
     resume: bool,
 }
@@ -142,7 +144,8 @@ fn run_one(
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
-    let mut tested = subject(&arguments.subject, &file.scene);
+    let choice = arguments.tested.choice();
+    let mut tested = subject(&choice, &file.scene);
     let run_record = run_witnessed(
         &file.scene,
         seed,
@@ -163,7 +166,7 @@ fn run_one(
         let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
         bar.inc_length(milliseconds(lasts_s));
         let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
-        let subject_of = &|told: &Scene| subject(&arguments.subject, told);
+        let subject_of = &|told: &Scene| subject(&choice, told);
         let again = run_otherwise(&file.scene, &run_record, asked, subject_of, renderer.as_deref_mut(), &mut progress);
         bar.set_position(start + milliseconds(lasts_s));
         again
@@ -184,7 +187,7 @@ fn form(arguments: &RunArguments) -> Option<Form> {
 /// Returns the run as an earlier process recorded it, if that record is of the same scene and program and has all files that the user asks for.
 fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Option<Recorded>, CommandError> {
     let folder = run_files::folder(&arguments.out, &file.name, seed);
-    if !arguments.resume {
+    if !arguments.resume || arguments.tested.choice().may_have_changed() {
         return Ok(None);
     }
     // An unreadable record is no reason to stop: the run is done again and replaces the record.
@@ -193,7 +196,7 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
         return Ok(None);
     }
     let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()
-        && summary["subject"] == arguments.subject.to_string().as_str()
+        && summary["subject"] == arguments.tested.choice().to_string().as_str()
         && program_digest().is_some_and(|program| timing["program"] == program);
     if is_same { read_back(file, folder) } else { Ok(None) }
 }
@@ -260,6 +263,10 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     }
     let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     text += &format!("  recorded in {}\n", one.folder.display());
+    let log = one.folder.join(SUBJECT_LOG);
+    if one.summary["subject_failure"].is_object() && log.exists() {
+        text += &format!("  what the command wrote to its standard error: {}\n", log.display());
+    }
     text += &format!(
         "  replay: {} run {}{}{} --seed {} --frames failures --out {}\n",
         program,

@@ -37,7 +37,8 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let meant: Vec<&Case> = cases.iter().filter(|case| shard.holds(case.planned.index)).collect();
     // Without a digest of the program, a case that this build recorded cannot be told from a case of another build, so that every case runs again.
-    let is_recorded = |case: &Case| plan.program.is_some() && store.has(&case.planned, arguments.frames);
+    let is_known = plan.program.is_some() && !sweep.subject.may_have_changed();
+    let is_recorded = |case: &Case| is_known && store.has(&case.planned, arguments.frames);
     let todo: Vec<&Case> = meant.iter().copied().filter(|case| !is_recorded(case)).collect();
     let jobs = arguments.jobs.map_or_else(cores, usize::from);
     let began = Instant::now();
@@ -65,7 +66,7 @@ fn asked(arguments: &SweepArguments) -> Result<Sweep, SweepError> {
         subject: SubjectChoice::default(),
     });
     sweep.vary.extend(arguments.vary.iter().cloned());
-    sweep.subject = arguments.subject.clone();
+    sweep.subject = arguments.tested.choice();
     if let Some(Seeds(seeds)) = &arguments.seeds {
         sweep.seeds = seeds.clone();
     }

@@ -68,7 +68,7 @@ impl Device for Gnss {
 impl Gnss {
     /// The model of the receiver that the localizer is given. Stamps are those of the receiver's own clock; where the base has another
     /// clock, the bound on their error grows by the bound on that clock.
-    fn model(&self, scene: &Scene) -> ReceiverModel {
+    pub(crate) fn model(&self, scene: &Scene) -> ReceiverModel {
         let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
         ReceiverModel {
             position_m: [place(self.forward_m), place(self.left_m)],

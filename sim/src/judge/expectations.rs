@@ -175,6 +175,7 @@ fn blank_summary() -> Value {
     let verdict = Verdict {
         containment: Some(Default::default()),
         judgements: Vec::new(),
+        subject_failure: None,
         violations: Vec::new(),
         error: ErrorTable { at_fix: Some(Default::default()), ..Default::default() },
         width: Some(Default::default()),

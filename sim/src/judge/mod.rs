@@ -37,7 +37,7 @@ use crate::{
     render::RenderError,
     run::{Counterfactual, RunRecord, Told},
     scene::Scene,
-    subject::half_turn,
+    subject::{Failure, half_turn},
     truth::Truth,
 };
 use claims::FalseClaims;
@@ -68,6 +68,7 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     let mut verdict = Verdict {
         containment,
         judgements,
+        subject_failure: record.subject_failure.clone(),
         violations,
         error: ErrorTable {
             at_fix: Some(Box::new(statistics::errors_at_fix(record))),
@@ -84,7 +85,8 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
         verdict: Passed::default(),
     };
     // A verdict consists of numbers and strings and can always be serialised; if that failed, every expectation would be reported as unmet.
-    let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
+    let mut failed: Vec<String> = record.subject_failure.iter().map(Failure::to_string).collect();
+    failed.extend(scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default()));
     verdict.verdict = Passed { passed: failed.is_empty(), failed };
     Ok(verdict)
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::subject::Failure;
+
 /// How an estimate relates to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -29,6 +31,9 @@ pub struct Verdict {
     /// The judge's judgement of every step of the run, which `steps.csv` holds.
     #[serde(skip)]
     pub judgements: Vec<Judgement>,
+    /// What the localizer under test did wrong so that the run ended before its time; absent for one that answered to the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub subject_failure: Option<Failure>,
     /// Every declared bound that was exceeded, whether or not the truth stayed inside.
     pub violations: Vec<Violation>,
     /// Errors of the midpoint of the estimate's hull, the smallest box around its boxes, or of the point or the mean that the localizer states.

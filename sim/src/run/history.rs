@@ -11,7 +11,14 @@ use localizer::{
     reading::{Camera, LandmarkId},
 };
 
-use crate::{base::DriveCommand, devices::BoundCheck, driver::ErrandLog, subject::Stated, truth::Truth, world::Drawn};
+use crate::{
+    base::DriveCommand,
+    devices::BoundCheck,
+    driver::ErrandLog,
+    subject::{Failure, Stated},
+    truth::Truth,
+    world::Drawn,
+};
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
@@ -44,6 +51,10 @@ pub struct RunRecord {
     pub contradictions: Vec<Contradiction>,
     /// What makes the width of the pose's box at each key frame of the localizer for which that is known.
     pub widths: Vec<PoseWidth>,
+    /// What the localizer under test did wrong so that the run ended, if anything.
+    pub subject_failure: Option<Failure>,
+    /// What the localizer under test wrote for its author.
+    pub subject_log: Option<String>,
     /// Whether the localizer under test answers with boxes. Otherwise its estimates are points, stored as boxes without width, of which
     /// only the error is meaningful.
     pub has_boxes: bool,
@@ -194,6 +205,8 @@ impl RunRecord {
             n_readings: 0,
             contradictions: Vec::new(),
             widths: Vec::new(),
+            subject_failure: None,
+            subject_log: None,
             has_boxes: true,
             images: Vec::new(),
             widest_image: None,

@@ -151,12 +151,13 @@ impl Simulation<'_> {
             let noise_seed = self.seed.wrapping_add((index as u64 + 1) << 32);
             let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
             record.restart(index, here.duration_s, &here);
-            if self.has_ended(&record, 0.0) {
+            if record.has_failed() || self.has_ended(&record, 0.0) {
                 break;
             }
             let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here, start: here.start_box() };
             self.drive(&one, stage.as_mut(), subject, &mut record, progress)?;
         }
+        record.history.subject_log = subject.end();
         Ok(record.finish(began))
     }
 
@@ -180,6 +181,9 @@ impl Simulation<'_> {
         record.room_left(&built, &world);
         for step in 0..(scene.duration_s / STEP_S).round() as usize {
             let time_s = step as f64 * STEP_S;
+            if record.has_failed() {
+                break;
+            }
             let command = match self.commands {
                 Some(commands) => commands.get(record.history.commands.len()).copied(),
                 None => self.ask(&mut pilot, scene, &world, &mut sensors, subject, time_s),

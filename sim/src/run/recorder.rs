@@ -195,9 +195,20 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Records the true state and the estimate of a step, apart from each other.
+    /// Whether the localizer under test has failed, so that the run ends.
+    pub(super) fn has_failed(&self) -> bool {
+        self.history.subject_failure.is_some()
+    }
+
+    /// Records the true state and the estimate of a step, apart from each other. A localizer under test that fails at the step leaves none.
     pub(super) fn step(&mut self, truth: &Truth, subject: &dyn Subject) {
-        let answer = subject.estimate_at(truth.time_s);
+        let answer = self.timed(|timing| &mut timing.localizer_s, || subject.estimate_at(truth.time_s));
+        if let Some(failure) = subject.failure() {
+            self.history.subject_failure = Some(failure.clone().begin_later(self.offset_s));
+            // A localizer that never answered has given no boxes to be judged.
+            self.history.has_boxes &= !self.history.estimates.is_empty();
+            return;
+        }
         self.history.stated.push(Stated::of(&answer));
         self.history.ages_s.push(subject.knows_until_s().map(|known_s| truth.time_s - known_s));
         self.history.has_boxes &= matches!(answer, Answer::Boxes(_));
@@ -228,7 +239,7 @@ impl<'a> Recorder<'a> {
 
     /// Records the true robot's distances from walls, furniture and people, if the scene has errands.
     pub(super) fn room_left(&mut self, scene: &Scene, world: &World) {
-        if scene.has_errands() {
+        if scene.has_errands() && !self.has_failed() {
             self.history.clearances.push(Clearance::of(scene, &world.truth(), &world.people()));
         }
     }

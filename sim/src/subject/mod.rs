@@ -2,8 +2,10 @@
 
 mod cues;
 mod extended_kalman_filter;
+mod failure;
 mod interval_localizer;
 mod particle_filter;
+mod process;
 mod registry;
 mod stated;
 mod told;
@@ -18,9 +20,11 @@ use localizer::{
 use crate::scene::Scene;
 
 pub use extended_kalman_filter::{ExtendedKalmanFilter, Tuning};
+pub use failure::{Failure, GivenReading};
 pub use interval_localizer::IntervalLocalizer;
 pub use particle_filter::ParticleFilter;
-pub use registry::{SubjectChoice, subject};
+pub use process::ForeignProcess;
+pub use registry::{SubjectChoice, USUAL_LIMIT, subject};
 pub(crate) use stated::half_turn;
 pub use stated::{SHARES, Spread, Stated, chi_squared};
 
@@ -59,6 +63,17 @@ pub trait Subject {
     /// What makes the width of the pose's box at the latest key frame for which that is known; a subject without such an account need not implement
     /// this.
     fn width_by_bound(&self) -> Option<&PoseWidth> {
+        None
+    }
+
+    /// What the subject did wrong so that it cannot go on, if anything: the run ends at the first failure, and its verdict tells it. A subject that
+    /// cannot fail need not implement this.
+    fn failure(&self) -> Option<&Failure> {
+        None
+    }
+
+    /// The run is over: nothing more is asked. Returns what the subject has written for its author, which is kept beside the results of the run.
+    fn end(&mut self) -> Option<String> {
         None
     }
 

@@ -1,10 +1,16 @@
 //! The localizers that the option `--subject` of the command names.
 
-use std::{fmt, str::FromStr};
+use std::{fmt, str::FromStr, time::Duration};
 
 use crate::scene::Scene;
 
-use super::{ExtendedKalmanFilter, IntervalLocalizer, ParticleFilter, Subject, extended_kalman_filter::Tuning};
+use super::{
+    ExtendedKalmanFilter, ForeignProcess, IntervalLocalizer, ParticleFilter, Subject, extended_kalman_filter::Tuning,
+};
+
+/// Time that a process has for each answer unless the user states another. Starting an interpreter with large libraries takes some seconds, and an
+/// answer after an image some tenths of a second.
+pub const USUAL_LIMIT: Duration = Duration::from_secs(30);
 
 /// The localizer under test as the user chose it with the option `--subject`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +22,13 @@ pub enum SubjectChoice {
     ExtendedKalmanFilter(Tuning),
     /// The particle filter.
     ParticleFilter(Tuning),
+    /// A process of any language, started anew for every run.
+    Command {
+        /// The command of the shell that starts it.
+        command: String,
+        /// Time that it has for each answer.
+        limit: Duration,
+    },
 }
 
 /// Names of the built-in localizers.
@@ -29,6 +42,14 @@ pub fn subject(choice: &SubjectChoice, scene: &Scene) -> Box<dyn Subject> {
             Box::new(ExtendedKalmanFilter::of(scene, *tuning, choice.to_string()))
         }
         SubjectChoice::ParticleFilter(tuning) => Box::new(ParticleFilter::of(scene, *tuning, choice.to_string())),
+        SubjectChoice::Command { command, limit } => Box::new(ForeignProcess::start(command, *limit, scene)),
+    }
+}
+
+impl SubjectChoice {
+    /// Whether the localizer may have changed since it was tested, although this program is the same and the scene is: a command may start anything.
+    pub fn may_have_changed(&self) -> bool {
+        matches!(self, SubjectChoice::Command { .. })
     }
 }
 
@@ -38,6 +59,7 @@ impl fmt::Display for SubjectChoice {
             SubjectChoice::Intervals => f.write_str(NAMES[0]),
             SubjectChoice::ExtendedKalmanFilter(tuning) => write!(f, "{}{tuning}", NAMES[1]),
             SubjectChoice::ParticleFilter(tuning) => write!(f, "{}{tuning}", NAMES[2]),
+            SubjectChoice::Command { command, .. } => f.write_str(command),
         }
     }
 }
@@ -53,7 +75,10 @@ impl FromStr for SubjectChoice {
             "ekf" => Ok(SubjectChoice::ExtendedKalmanFilter(factors.parse()?)),
             "particles" => Ok(SubjectChoice::ParticleFilter(factors.parse()?)),
             "intervals" if factors.is_empty() => Ok(SubjectChoice::Intervals),
-            _ => Err(format!("no such localizer, expected one of {}", NAMES.join(", "))),
+            _ => Err(format!(
+                "no such localizer, expected one of {}, or a command with a blank or a slash",
+                NAMES.join(", ")
+            )),
         }
     }
 }

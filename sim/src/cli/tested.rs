@@ -1,0 +1,38 @@
+//! Arguments that choose the localizer under test.
+
+use std::time::Duration;
+
+use clap::Args;
+
+use crate::subject::{SubjectChoice, USUAL_LIMIT};
+
+/// Arguments that choose the localizer under test.
+#[derive(Debug, Args)]
+pub(super) struct Tested {
+    /// Localizer to test: intervals (the project's own), or a command in quotes, which is given the readings as an MCAP stream on its standard input
+    /// and writes its answers to its standard output.
+    #[arg(long, value_name = "NAME|COMMAND", default_value_t)]
+    subject: SubjectChoice,
+    /// Time that a tested command has for each answer, in seconds of the clock on the wall; longer is a failure.
+    #[arg(long, value_name = "SECONDS", default_value_t = USUAL_LIMIT.as_secs_f64(), value_parser = limit_s)]
+    subject_timeout_s: f64,
+}
+
+impl Tested {
+    /// The localizer under test.
+    pub(super) fn choice(&self) -> SubjectChoice {
+        match &self.subject {
+            SubjectChoice::Command { command, .. } => SubjectChoice::Command {
+                command: command.clone(),
+                limit: Duration::from_secs_f64(self.subject_timeout_s),
+            },
+            built_in => built_in.clone(),
+        }
+    }
+}
+
+/// Reads a time limit: from a millisecond to a day.
+fn limit_s(text: &str) -> Result<f64, String> {
+    let limit_s = text.parse::<f64>().ok().filter(|limit_s| (0.001..=86_400.0).contains(limit_s));
+    limit_s.ok_or_else(|| "expected seconds from 0.001 to 86400".to_owned())
+}
