@@ -24,7 +24,7 @@ pub use failure::{Failure, GivenReading};
 pub use interval_localizer::IntervalLocalizer;
 pub use particle_filter::ParticleFilter;
 pub use process::ForeignProcess;
-pub use registry::{SubjectChoice, USUAL_LIMIT, subject};
+pub use registry::{Added, SubjectChoice, USUAL_LIMIT, add_subject, subject};
 pub(crate) use stated::half_turn;
 pub use stated::{SHARES, Spread, Stated, chi_squared};
 

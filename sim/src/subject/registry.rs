@@ -1,6 +1,11 @@
 //! The localizers that the option `--subject` of the command names.
 
-use std::{fmt, str::FromStr, time::Duration};
+use std::{
+    fmt,
+    str::FromStr,
+    sync::{PoisonError, RwLock},
+    time::Duration,
+};
 
 use crate::scene::Scene;
 
@@ -12,6 +17,38 @@ use super::{
 /// answer after an image some tenths of a second.
 pub const USUAL_LIMIT: Duration = Duration::from_secs(30);
 
+/// A localizer that a program has added to the built-in ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Added {
+    name: &'static str,
+    create: fn(&Scene) -> Box<dyn Subject>,
+}
+
+/// The added localizers, in the order in which they were added.
+static ADDED: RwLock<Vec<Added>> = RwLock::new(Vec::new());
+
+/// Adds a localizer to those that the option `--subject` names, for a program that has a localizer of its own and then is the command `wherein` by
+/// calling [`cli::main`](crate::cli::main). `create` makes it from what it may know of a scene beforehand. Of two localizers with one name the one
+/// that was added last is meant.
+pub fn add_subject(name: &'static str, create: fn(&Scene) -> Box<dyn Subject>) {
+    // A thread that panics leaves the list complete.
+    ADDED.write().unwrap_or_else(PoisonError::into_inner).push(Added { name, create });
+}
+
+/// The added localizer of a name.
+fn added(name: &str) -> Option<Added> {
+    ADDED.read().unwrap_or_else(PoisonError::into_inner).iter().rev().find(|added| added.name == name).copied()
+}
+
+/// Two added localizers are the same if they have the same name.
+impl PartialEq for Added {
+    fn eq(&self, other: &Added) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Added {}
+
 /// The localizer under test as the user chose it with the option `--subject`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum SubjectChoice {
@@ -22,6 +59,8 @@ pub enum SubjectChoice {
     ExtendedKalmanFilter(Tuning),
     /// The particle filter.
     ParticleFilter(Tuning),
+    /// A localizer that the program has added by [`add_subject`].
+    Added(Added),
     /// A process of any language, started anew for every run.
     Command {
         /// The command of the shell that starts it.
@@ -42,6 +81,7 @@ pub fn subject(choice: &SubjectChoice, scene: &Scene) -> Box<dyn Subject> {
             Box::new(ExtendedKalmanFilter::of(scene, *tuning, choice.to_string()))
         }
         SubjectChoice::ParticleFilter(tuning) => Box::new(ParticleFilter::of(scene, *tuning, choice.to_string())),
+        SubjectChoice::Added(added) => (added.create)(scene),
         SubjectChoice::Command { command, limit } => Box::new(ForeignProcess::start(command, *limit, scene)),
     }
 }
@@ -59,6 +99,7 @@ impl fmt::Display for SubjectChoice {
             SubjectChoice::Intervals => f.write_str(NAMES[0]),
             SubjectChoice::ExtendedKalmanFilter(tuning) => write!(f, "{}{tuning}", NAMES[1]),
             SubjectChoice::ParticleFilter(tuning) => write!(f, "{}{tuning}", NAMES[2]),
+            SubjectChoice::Added(added) => f.write_str(added.name),
             SubjectChoice::Command { command, .. } => f.write_str(command),
         }
     }
@@ -67,18 +108,30 @@ impl fmt::Display for SubjectChoice {
 impl FromStr for SubjectChoice {
     type Err = String;
 
-    /// Reads a choice from its name. The name of a filter may be followed by factors on its standard deviations, as in `ekf,motion=2,cues=0.5`.
-    /// Errors for a text that names no localizer, with the names that there are.
+    /// Reads a choice from a localizer's name, or from a command, which is a text with a blank or a slash, so that a mistyped name is not taken for
+    /// one. The name of a filter may be followed by factors on its standard deviations, as in `ekf,motion=2,cues=0.5`. Errors for a single word that
+    /// names no localizer, with the names that there are.
     fn from_str(text: &str) -> Result<SubjectChoice, String> {
+        let command = text.trim();
+        if command.contains(|c: char| c.is_whitespace() || c == '/' || c == std::path::MAIN_SEPARATOR) {
+            return Ok(SubjectChoice::Command { command: command.to_owned(), limit: USUAL_LIMIT });
+        }
+        if let Some(added) = added(text) {
+            return Ok(SubjectChoice::Added(added));
+        }
         let (name, factors) = text.split_once(',').map_or((text, ""), |(name, factors)| (name, factors));
         match name {
             "ekf" => Ok(SubjectChoice::ExtendedKalmanFilter(factors.parse()?)),
             "particles" => Ok(SubjectChoice::ParticleFilter(factors.parse()?)),
             "intervals" if factors.is_empty() => Ok(SubjectChoice::Intervals),
-            _ => Err(format!(
-                "no such localizer, expected one of {}, or a command with a blank or a slash",
-                NAMES.join(", ")
-            )),
+            _ => {
+                let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
+                let names: Vec<&str> = NAMES.into_iter().chain(added.iter().map(|added| added.name)).collect();
+                Err(format!(
+                    "no such localizer, expected one of {}, or a command with a blank or a slash",
+                    names.join(", ")
+                ))
+            }
         }
     }
 }
