@@ -52,7 +52,7 @@ fn poses(run: &Path) -> Vec<Vec<f64>> {
 fn runs(program: &str) -> bool {
     let runs = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
     if !runs {
-        writeln!(io::stderr(), "LEFT OUT: there is no {program} here").unwrap();
+        io::stderr().write_all(format!("LEFT OUT: there is no {program} here\n").as_bytes()).unwrap();
     }
     runs
 }
