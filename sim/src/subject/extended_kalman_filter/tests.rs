@@ -8,7 +8,7 @@ use super::*;
 fn yard() -> Scene {
     let text = "duration_s = 5.0\n[room]\nwidth_m = 12.0\ndepth_m = 8.0\n[start]\nx_m = 2.0\ny_m = 2.0\ntolerance_m = 0.5\n\
                 tolerance_deg = 20.0\n[robot]\nfloor_camera = false\ngyro = true\n[robot.gnss]\nforward_m = -0.15\nleft_m = 0.1\n\
-                height_m = 0.6\n[localizer]\nmethods = [\"gnss_positions\"]\n";
+                height_m = 0.6\n[localizer]\nmethods = [\"gnss_positions\"]\n[[route.waypoint]]\nx_m = 4.0\ny_m = 2.0\n";
     Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
@@ -79,7 +79,7 @@ fn a_measurement_beyond_the_99_percent_quantile_is_left_out() {
 #[test]
 fn a_landmark_that_is_seen_again_ties_the_pose_to_where_it_was_first_seen() {
     let text = "duration_s = 5.0\n[room]\nwidth_m = 6.0\ndepth_m = 6.0\n[start]\nx_m = 3.0\ny_m = 3.0\n[robot]\n\
-                floor_camera = false\n[robot.range_camera]\n[localizer]\nmethods = [\"range_landmarks\"]\n";
+                floor_camera = false\n[robot.range_camera]\n[localizer]\nmethods = [\"range_landmarks\"]\n[[landmark]]\nx_m = 5.0\ny_m = 3.0\n[[route.waypoint]]\nx_m = 3.5\ny_m = 3.0\n";
     let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
     let mut filter = filter(&scene);
     let camera = scene.robot_model().range_camera.unwrap();
