@@ -12,7 +12,12 @@ mod likelihood;
 mod odometry;
 mod resampling;
 
+use std::f64::consts::PI;
+
 use localizer::{Pose, PoseBox, Reading, RobotModel};
+use nalgebra::Vector3;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 use crate::{scene::Scene, truth::randomness::stream};
 
@@ -32,19 +37,23 @@ pub struct ParticleFilter {
     tuning: Tuning,
     name: String,
     area_m2: f64,
+    /// Standard deviation of the gyroscope's bias at the start; 0 without a gyroscope.
+    bias_sigma_rad_per_s: f64,
     odometry: Odometry,
     cloud: Cloud,
     /// Dead reckoning at the stamp that the samples stand for.
     sampled: Reckoned,
     /// Measurements whose stamps are later than that of the latest step.
     waiting: Vec<(f64, Mounted, Seen)>,
-    /// Short and long mean of how well the samples explain measured poses, over how well the best pose does.
+    /// Short and long mean of how well the samples explain measured positions, over how well the best pose does.
     explained: Option<[f64; 2]>,
 }
 
-/// Decay of the short and of the long mean of how well the samples explain measured poses. Where the short one falls below the long one, the samples
-/// are lost, and a share of them is drawn from the measured pose (*Probabilistic Robotics*, table 8.3: there 0 ≤ α_slow ≪ α_fast).
+/// Decay of the short and of the long mean of how well the samples explain measured positions. Where the short one falls below the long one, the samples
+/// are lost, and a share of them is drawn from the measurement (*Probabilistic Robotics*, table 8.3: there 0 ≤ α_slow ≪ α_fast).
 const DECAY: [f64; 2] = [0.3, 0.01];
+/// Standard deviation of a lost sample's heading, where a measured position does not tell the heading: that of a robot that has gone astray.
+const LOST_RAD: f64 = 0.1;
 /// Time without a measurement after which the samples are carried on, so that later errors of the motion are independent of earlier ones.
 const LONGEST_WAY_S: f64 = 0.5;
 
@@ -56,6 +65,7 @@ impl ParticleFilter {
             cues: Cues::new(scene, &map, &robot),
             odometry: Odometry::new(&robot, tuning),
             area_m2: map.room_m[0].width() * map.room_m[1].width(),
+            bias_sigma_rad_per_s: robot.gyro.map_or(0.0, |gyro| SIGMAS_OF_BOUND * 0.5 * gyro.bias_rad_per_s.width()),
             robot,
             tuning,
             name,
@@ -74,9 +84,7 @@ impl ParticleFilter {
         self.sampled = self.odometry.latest();
         self.waiting.clear();
         self.explained = None;
-        let bias_sigma_rad_per_s =
-            self.robot.gyro.map_or(0.0, |gyro| SIGMAS_OF_BOUND * 0.5 * gyro.bias_rad_per_s.width());
-        self.cloud.draw_start(start, bias_sigma_rad_per_s);
+        self.cloud.draw_start(start, self.bias_sigma_rad_per_s);
     }
 
     /// Carries the samples on to a later stamp.
@@ -103,17 +111,18 @@ impl ParticleFilter {
         let mean_rad = self.cloud.mean_of(&|sample| back.from(sample.pose, sample.bias_rad_per_s, [0.0; 3])[2]);
         let Some(likelihood) = likelihood(seen, mount, &known, mean_rad) else { return };
         let of_sample = |sample: &Sample| likelihood(back.from(sample.pose, sample.bias_rad_per_s, [0.0; 3]));
-        let Seen::Pose { pose, covariance } = seen else {
+        let Some(best) = best_pose(seen, mean_rad) else {
             self.cloud.weigh(&of_sample);
             return;
         };
-        let explained = self.cloud.mean_of(&|sample| of_sample(sample).exp()) / likelihood(*pose).exp();
+        let explained = self.cloud.mean_of(&|sample| of_sample(sample).exp()) / likelihood(best).exp();
         self.cloud.weigh(&of_sample);
         let before = self.explained.unwrap_or([explained; 2]);
         let [short, long] = [0, 1].map(|mean| before[mean] + DECAY[mean] * (explained - before[mean]));
         self.explained = Some([short, long]);
         let lost_share = (1.0 - short / long.max(f64::MIN_POSITIVE)).max(0.0);
-        self.cloud.replace(lost_share, pose, covariance, &Way::between(&at, &self.sampled).exactly());
+        let forth = Way::between(&at, &self.sampled).exactly();
+        self.cloud.replace(lost_share, self.bias_sigma_rad_per_s, &forth, &|rng, pose| drawn_from(seen, pose, rng));
     }
 
     fn step(&mut self, step: &Step) {
@@ -125,6 +134,35 @@ impl ParticleFilter {
         if step.stamp_s - self.sampled.stamp_s > LONGEST_WAY_S {
             self.carry(self.odometry.latest());
         }
+    }
+}
+
+/// The pose that explains a measurement of a position best; `None` for a measurement that does not tell where in the building the robot is.
+fn best_pose(seen: &Seen, heading_rad: f64) -> Option<[f64; 3]> {
+    match seen {
+        Seen::Pose { pose, .. } => Some(*pose),
+        Seen::Position { in_robot_m, in_world_m, .. } => {
+            let [dx, dy] = turned(*in_robot_m, heading_rad);
+            Some([in_world_m[0] - dx, in_world_m[1] - dy, heading_rad])
+        }
+        Seen::Joints(_) | Seen::Edges(_) | Seen::Landmarks(_) => None,
+    }
+}
+
+/// A pose drawn from a measurement of a position, for a sample that is lost. A heading that the measurement does not tell is that of the sample, but for
+/// an error; a heading that it tells is told up to whole turns, of which the samples keep count.
+fn drawn_from(seen: &Seen, lost: [f64; 3], rng: &mut ChaCha8Rng) -> [f64; 3] {
+    let normal = Vector3::from_fn(|_, _| StandardNormal.sample(rng));
+    let heading_rad = lost[2] + LOST_RAD * normal[2];
+    let Some(best) = best_pose(seen, heading_rad) else { return lost };
+    match seen {
+        Seen::Pose { covariance, .. } => {
+            let off = covariance.cholesky().map_or_else(Vector3::zeros, |root| root.l() * normal);
+            let turns = ((lost[2] - best[2]) / (2.0 * PI)).round();
+            [best[0] + off[0], best[1] + off[1], best[2] + off[2] + 2.0 * PI * turns]
+        }
+        Seen::Position { sigma_m, .. } => [best[0] + sigma_m * normal[0], best[1] + sigma_m * normal[1], best[2]],
+        Seen::Joints(_) | Seen::Edges(_) | Seen::Landmarks(_) => lost,
     }
 }
 

@@ -1,7 +1,5 @@
 //! The samples of the particle filter: how they are moved, weighed and drawn anew.
 
-use std::f64::consts::PI;
-
 use localizer::PoseBox;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
@@ -114,19 +112,21 @@ impl Cloud {
         }
     }
 
-    /// Puts samples drawn from a measured pose in the place of a share of the samples; `forth` is the way since the measurement.
-    pub(crate) fn replace(&mut self, share: f64, pose: &[f64; 3], covariance: &Matrix3<f64>, forth: &Way) {
-        let Some(root) = covariance.cholesky() else { return };
+    /// Puts samples with poses by `draw` and with a bias as at the start in the place of a share of the samples; `forth` is the way since those poses.
+    pub(crate) fn replace(
+        &mut self,
+        share: f64,
+        bias_sigma_rad_per_s: f64,
+        forth: &Way,
+        draw: &dyn Fn(&mut ChaCha8Rng, [f64; 3]) -> [f64; 3],
+    ) {
         for sample in &mut self.samples {
             if self.rng.random::<f64>() >= share {
                 continue;
             }
-            let normal = Vector3::from_fn(|_, _| StandardNormal.sample(&mut self.rng));
-            let drawn = Vector3::from(*pose) + root.l() * normal;
-            // A heading is told up to whole turns, of which the samples keep count.
-            let turns = ((sample.pose[2] - drawn[2]) / (2.0 * PI)).round();
-            let measured = [drawn[0], drawn[1], drawn[2] + 2.0 * PI * turns];
-            sample.pose = forth.from(measured, sample.bias_rad_per_s, [0.0; 3]);
+            let normal: f64 = StandardNormal.sample(&mut self.rng);
+            sample.bias_rad_per_s = bias_sigma_rad_per_s * normal;
+            sample.pose = forth.from(draw(&mut self.rng, sample.pose), sample.bias_rad_per_s, [0.0; 3]);
         }
     }
 
