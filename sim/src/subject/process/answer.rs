@@ -101,8 +101,9 @@ fn refusal(line: &[u8], error: &serde_json::Error) -> String {
     if text.trim_end().chars().count() > SHOWN {
         shown += "…";
     }
-    // JSON has neither, but some programs write them.
-    if ["NaN", "nan", "Infinity", "inf"].iter().any(|word| text.contains(word)) {
+    // JSON has none of these, but some programs write them.
+    let mut words = text.split(|c: char| !c.is_alphanumeric());
+    if words.any(|word| ["NaN", "nan", "Infinity", "inf"].contains(&word)) {
         return format!("it answered with a number that is not finite, expected finite numbers: `{shown}`");
     }
     format!("it wrote `{shown}`, expected an answer in JSON: {error}")
@@ -129,6 +130,9 @@ fn checked(covariance: [[f64; 3]; 3]) -> Result<(), String> {
 }
 
 fn weighted(samples: &[[f64; 4]]) -> Result<Vec<WeightedPose>, String> {
+    if samples.is_empty() {
+        return Err("it answered with no `samples`, expected at least one".to_owned());
+    }
     let weights = || samples.iter().map(|sample| sample[3]);
     if let Some(weight) = weights().find(|weight| *weight < 0.0) {
         return Err(format!("it answered with `samples` of which one has the weight {weight}, expected at least 0"));
@@ -233,7 +237,8 @@ mod tests {
             ("\"pose\": [1, 2, NaN]", "not finite"),
             ("\"pose\": [1, 2, null]", "invalid type: null"),
             ("\"poses\": [1, 2, 3]", "unknown field `poses`"),
-            ("\"samples\": []", "add up to 0"),
+            ("\"samples\": []", "no `samples`"),
+            ("\"samples\": [[1, 2, 3, 0]]", "add up to 0"),
             ("\"samples\": [[1, 2, 3, -1]]", "weight -1"),
             ("\"boxes\": []", "at least one"),
             ("\"boxes\": [[[2, 1], [3, 4], [5, 6]]]", "[2, 1]"),
@@ -241,7 +246,7 @@ mod tests {
         ] {
             assert!(refused(rest).contains(said), "{rest}: {}", refused(rest));
         }
-        assert!(read(b"hello", 0.0).unwrap_err().contains("`hello`"));
+        assert!(read(b"info: nanny", 0.0).unwrap_err().contains("`info: nanny`, expected an answer"));
         assert!(read(b"\xff\x07\n", 0.0).unwrap_err().contains("\\u{7}"));
         let long = read(&[b'x'; 5000], 0.0).unwrap_err();
         assert!(long.len() < 200 && long.contains('…'), "{long}");
