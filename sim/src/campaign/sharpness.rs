@@ -8,11 +8,16 @@
 //! Every witness is checked by code that shares nothing with the localizer's measurements: it computes each reading from the history by its own
 //! formulas, in interval arithmetic, and compares it with the declared bound. Where the search ends early, witnesses are weak and the figure is too great, never too small.
 
+mod dots;
+mod eye;
+mod floor;
 mod gyro;
 mod history;
+mod joints;
 mod kind;
 mod motion;
 mod number;
+mod outline;
 mod range;
 mod readings;
 mod search;

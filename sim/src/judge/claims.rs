@@ -45,7 +45,9 @@ impl FalseClaims {
 /// Whether a claim about an image taken at the true state `truth` holds.
 pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     match claim {
-        Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
+        Claim::FloorJoint { points_px, share_wrong } => {
+            joint_claimed(points_px, *share_wrong, scene, drawn, truth).is_some()
+        }
         Claim::WallLine { ends_px, bound_px } => wall_line_deg(*ends_px, *bound_px, scene, drawn, truth).is_some(),
         Claim::UprightLine { ends_px, bound_px } => sight_planes(*ends_px, *bound_px, scene, drawn, truth)
             .is_some_and(|planes| may_hold(&planes, &[Vector3::z()])),
@@ -54,14 +56,18 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
     }
 }
 
-/// Whether the claimed points lie along some true floor joint: all but the share `share_wrong` of them are within their own bounds of the joint's
-/// centre line.
-fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
-    let (Some(camera), Some(tiles), Some(laid), Some(mount)) =
-        (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.place.tiles, &drawn.devices.floor_camera)
-    else {
-        return false;
-    };
+/// The true floor joint along which the claimed points lie, by its family and index: all but the share `share_wrong` of them are within their own
+/// bounds of the joint's centre line. `None` where there is no such joint.
+pub(crate) fn joint_claimed(
+    points_px: &[[f64; 3]],
+    share_wrong: f64,
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<(usize, i32)> {
+    let camera = scene.robot.floor_camera.as_ref()?;
+    let (tiles, laid) = (scene.floor.tiles.as_ref()?, drawn.place.tiles.as_ref()?);
+    let mount = drawn.devices.floor_camera.as_ref()?;
     let lens = Lens::of(camera, mount);
     let mut near: BTreeMap<(usize, i32), usize> = BTreeMap::new();
     for &[u_px, v_px, bound_px] in points_px {
@@ -79,7 +85,7 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
         }
     }
     let needed = ((1.0 - share_wrong) * points_px.len() as f64).ceil() as usize;
-    near.values().any(|&count| count >= needed)
+    near.into_iter().find(|(_, count)| *count >= needed).map(|(joint, _)| joint)
 }
 
 /// Direction (angle from world x) along which a claimed level (horizontal) line may truly run: that of a wall or at right angles to it, up to the

@@ -16,6 +16,7 @@ mod statistics;
 mod verdict;
 
 pub use bounds::{violations, watched};
+pub(crate) use claims::joint_claimed;
 pub use claims::{is_true, wall_line_deg};
 pub use distribution::corridor;
 pub use errands::{distance_to_way_m, true_distance_m};

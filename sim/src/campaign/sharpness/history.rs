@@ -6,9 +6,33 @@
 use std::collections::BTreeMap;
 
 use interval::Interval;
-use localizer::Pose;
+use localizer::{Pose, markers::GridPlace, reading::Camera};
 
 use super::number::Number;
+
+/// A device that looks at the robot's surroundings at single instants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Looker {
+    /// One of the cameras.
+    Camera(Camera),
+    /// The range camera.
+    Range,
+}
+
+/// A constant of a camera's mount or lens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum CameraPart {
+    /// Position of the optical centre in the robot frame: forward (0), left (1) or up (2), in metres.
+    Position(usize),
+    /// Turn of the camera about the body's vertical against its nominal direction, in radians.
+    Yaw,
+    /// Rotation vector of the camera's tilt against its nominal attitude, about robot x (0) or y (1), in radians.
+    Tilt(usize),
+    /// Focal length along u (0) or v (1), in pixels; for the floor camera the scale of its image on the floor (0), in pixels per metre.
+    Focal(usize),
+    /// Principal point along u (0) or v (1), in pixels.
+    Centre(usize),
+}
 
 /// A quantity of a history that is not part of the robot's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,6 +57,25 @@ pub(super) enum Quantity {
     RangeBaseline,
     /// World x (0), y (1) or z (2) of the landmark with this code, in metres.
     Landmark(u32, usize),
+    /// A constant of a camera.
+    Camera(Camera, CameraPart),
+    /// Displacement from the nominal line of the tiles' joint with this grid axis and index, at its first (0) or its last (1) end, in metres.
+    JointEnd(usize, i32, usize),
+    /// Distance of a joint, given by grid axis and index, from its straight line where it crosses the joint of the other axis with the second index, in
+    /// metres.
+    JointBend(usize, i32, i32),
+    /// Displacement of the marker with this identity from its place on the map, along world x (0) or y (1), in metres.
+    Marker(u16, usize),
+    /// Angle of a marker against its direction on the map, in radians.
+    MarkerTurn(u16),
+    /// Height of a marker above the floor, in metres.
+    MarkerHeight(u16),
+    /// Displacement of a dot from its nominal place on its marker, along the marker's x (0) or y (1), in metres.
+    Dot(u16, GridPlace, usize),
+    /// True instant at which a device looked, for the look that was truly at the stamp with this index, in seconds.
+    Instant(Looker, usize),
+    /// Height of the robot's origin above its height at rest, at the look at the stamp with this index, in metres.
+    Heave(usize),
     /// Rotation of the body against the floor about robot x (0, roll) or robot y (1, pitch) at the stamp with this index, in radians.
     BodyTilt(usize, usize),
 }
@@ -53,8 +96,6 @@ pub(super) struct History {
     pub(super) poses: Vec<Pose>,
     /// Spin angle of the left and of the right wheel since the start, at each stamp.
     pub(super) wheel_angle_rad: Vec<[f64; 2]>,
-    /// Height of the robot's origin above its height at rest, at each stamp.
-    pub(super) heave_m: Vec<f64>,
     /// All other quantities.
     pub(super) quantities: BTreeMap<Quantity, f64>,
 }
@@ -78,16 +119,13 @@ impl History {
         })
     }
 
-    /// The history up to the stamp with this index. Quantities of later stamps are left out.
+    /// The history up to the stamp with this index, without quantities.
     pub(super) fn until(&self, stamp: usize) -> History {
-        let mut quantities = self.quantities.clone();
-        quantities.retain(|quantity, _| !matches!(quantity, Quantity::BodyTilt(at, _) if *at > stamp));
         History {
             stamps_s: self.stamps_s[..=stamp].to_vec(),
             poses: self.poses[..=stamp].to_vec(),
             wheel_angle_rad: self.wheel_angle_rad[..=stamp].to_vec(),
-            heave_m: self.heave_m[..=stamp].to_vec(),
-            quantities,
+            quantities: BTreeMap::new(),
         }
     }
 
@@ -106,6 +144,42 @@ impl History {
             *value = mix(*value, other.value(*quantity));
         }
         mixed
+    }
+
+    /// The robot's pose (x, y, heading) at an instant between the first and the last stamp.
+    pub(super) fn pose_at<T: Number>(&self, instant_s: f64) -> [T; 3] {
+        let after = self.stamps_s.partition_point(|stamp_s| *stamp_s <= instant_s).clamp(1, self.stamps_s.len() - 1);
+        let (from, to) = (self.poses[after - 1], self.poses[after]);
+        let [from_s, to_s] = [after - 1, after].map(|stamp| T::of(self.stamps_s[stamp]));
+        let share = (T::of(instant_s) - from_s).over(to_s - from_s);
+        let step: Step<T> = Step::between(from, to);
+        // Constant speed and turn rate: the displacement up to there, along the mid heading and across it.
+        let half_turn_rad = T::of(0.5) * share * step.turn_rad;
+        let heading_rad = T::of(from.heading_rad);
+        let middle_rad = heading_rad + half_turn_rad;
+        let (sin, cos) = (middle_rad.sin(), middle_rad.cos());
+        let chord = share * half_turn_rad.sinc();
+        let [along_m, left_m] = [chord * step.along_m, chord * step.left_m];
+        [
+            T::of(from.x_m) + cos * along_m - sin * left_m,
+            T::of(from.y_m) + sin * along_m + cos * left_m,
+            heading_rad + half_turn_rad + half_turn_rad,
+        ]
+    }
+
+    /// The instants of this history that surely differ by at most `most_s` from the stamp that a device gave its reading.
+    pub(super) fn instants_s(&self, measured_s: f64, most_s: f64) -> Interval {
+        let (least, most) = (Interval::point(measured_s) - most_s, Interval::point(measured_s) + most_s);
+        let last_s = self.stamps_s[self.stamps_s.len() - 1];
+        Interval::new(least.hi(), most.lo()).intersect(Interval::new(self.stamps_s[0], last_s))
+    }
+
+    /// The robot's velocity (x, y, heading) about a stamp.
+    pub(super) fn velocity_at(&self, stamp: usize) -> [f64; 3] {
+        let (from, to) = (stamp.saturating_sub(1), (stamp + 1).min(self.stamps_s.len() - 1));
+        let span_s = self.stamps_s[to] - self.stamps_s[from];
+        let [from, to] = [from, to].map(|stamp| self.poses[stamp].to_array());
+        [0, 1, 2].map(|axis| (to[axis] - from[axis]) / span_s)
     }
 
     /// The robot's travel from each stamp to the next.
@@ -169,5 +243,27 @@ mod tests {
         assert!((step.along_m - std::f64::consts::PI).abs() < 1e-14 && step.left_m.abs() < 1e-14, "{step:?}");
         let enclosed: Step<Interval> = Step::between(from, to);
         assert!(enclosed.along_m.contains(std::f64::consts::PI) && enclosed.along_m.width() < 1e-13);
+    }
+
+    /// Two thirds of that quarter circle, about (1, -1) with radius 2 m: the robot has turned by 60 degrees and is at 60 degrees of the circle.
+    #[test]
+    fn between_two_stamps_the_robot_is_on_its_arc() {
+        let quarter_rad = std::f64::consts::FRAC_PI_2;
+        let history = History {
+            stamps_s: vec![0.0, 3.0],
+            poses: vec![
+                Pose { x_m: 1.0, y_m: -3.0, heading_rad: 0.0 },
+                Pose { x_m: 3.0, y_m: -1.0, heading_rad: quarter_rad },
+            ],
+            wheel_angle_rad: vec![[0.0; 2]; 2],
+            quantities: BTreeMap::new(),
+        };
+        let expected = [1.0 + 3.0_f64.sqrt(), -2.0, std::f64::consts::PI / 3.0];
+        let number: [f64; 3] = history.pose_at(2.0);
+        let enclosed: [Interval; 3] = history.pose_at(2.0);
+        for axis in 0..3 {
+            assert!((number[axis] - expected[axis]).abs() < 1e-14, "{number:?}");
+            assert!(enclosed[axis].inflate(1e-15).contains(expected[axis]) && enclosed[axis].width() < 1e-13);
+        }
     }
 }

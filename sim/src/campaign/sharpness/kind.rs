@@ -80,7 +80,7 @@ const MARGIN: f64 = 0.004;
 /// How far a program may go from its history.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trust {
-    /// Greatest deviation of a quantity.
+    /// Greatest deviation of a quantity without a bound of its own.
     pub(super) most: f64,
     /// Whether quantities move that are multiplied by others, so that linear rows are good only near the history.
     pub(super) moves_products: bool,
@@ -151,7 +151,12 @@ impl<'a> Linearised<'a> {
         };
         for Declared { quantity, interval, .. } in declared {
             let is_free = trust.moves_products || !quantity.is_in_products();
-            let most = if is_free { trust.most } else { 0.0 };
+            // A quantity that is bounded goes as far as its bound.
+            let most = match (is_free, interval.is_bounded()) {
+                (false, _) => 0.0,
+                (true, false) => trust.most,
+                (true, true) => interval.width(),
+            };
             let unknown = near.helper(Interval::new(-most, most));
             near.hold(unknown, history.value(*quantity), *interval);
         }
@@ -224,6 +229,9 @@ impl<'a> Linearised<'a> {
 
     /// Adds rows that keep a vector of two quantities shorter than `most`: a polygon of 16 sides with its corners on the circle.
     pub(super) fn add_disc(&mut self, quantities: [Quantity; 2], most: f64) {
+        if most <= 0.0 {
+            return;
+        }
         let half_corner_rad = std::f64::consts::PI / 16.0;
         let side = most * half_corner_rad.cos();
         for direction in 0..8 {

@@ -14,6 +14,8 @@ pub(super) struct Motion {
     pub(super) robot: RobotModel,
     /// Ranges of world x and y that the robot's origin does not leave.
     pub(super) room_m: [Interval; 2],
+    /// Stamps at which a device looked at something, each once.
+    pub(super) looks: Vec<usize>,
 }
 
 /// What is broken when a history begins outside the box of start poses. The box is given, and has no name among the bounds.
@@ -35,15 +37,6 @@ impl Motion {
 
     fn check_posture(&self, history: &History, slack: f64) -> Result<(), Broken> {
         let body = &self.robot.body;
-        for (time_s, &heave_m) in history.stamps_s.iter().zip(&history.heave_m) {
-            demand(
-                slack,
-                bounds::BODY_HEAVE,
-                *time_s,
-                Interval::point(heave_m),
-                within(Interval::point(body.heave_m)),
-            )?;
-        }
         for (quantity, roll_rad) in &history.quantities {
             let Quantity::BodyTilt(stamp, 0) = *quantity else { continue };
             let pitch_rad = Interval::point(history.value(Quantity::BodyTilt(stamp, 1)));
@@ -56,8 +49,22 @@ impl Motion {
 }
 
 impl Kind for Motion {
+    /// Heave and tilt of the body at every look.
     fn declared(&self, _history: &History) -> Vec<Declared> {
-        Vec::new()
+        let body = &self.robot.body;
+        let tilts_rad = Interval::new(-body.tilt_rad, body.tilt_rad);
+        let heaves_m = Interval::new(-body.heave_m, body.heave_m);
+        let of_look = |&stamp: &usize| {
+            let tilt = |axis: usize| Declared {
+                quantity: Quantity::BodyTilt(stamp, axis),
+                interval: tilts_rad,
+                bound: bounds::BODY_TILT,
+            };
+            let heave =
+                Declared { quantity: Quantity::Heave(stamp), interval: heaves_m, bound: bounds::BODY_HEAVE };
+            [tilt(0), tilt(1), heave]
+        };
+        self.looks.iter().flat_map(of_look).collect()
     }
 
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {

@@ -1,14 +1,10 @@
 //! Readings of the range camera: the columns at which its two views see landmarks.
 
 use interval::Interval;
-use localizer::{
-    bounds,
-    reading::Sighting,
-    robot::{BodyModel, RangeCameraModel},
-};
+use localizer::{bounds, reading::Sighting, robot::RangeCameraModel};
 
 use super::{
-    history::{History, Quantity},
+    history::{History, Looker, Quantity},
     kind::{Broken, Declared, Kind, Linearised, demand, within},
     number::{Number, turned_about, turned_by},
 };
@@ -26,7 +22,8 @@ pub(super) struct Look {
 pub(super) struct Range {
     pub(super) looks: Vec<Look>,
     pub(super) model: RangeCameraModel,
-    pub(super) body: BodyModel,
+    /// Greatest error of a stamp.
+    pub(super) stamp_error_s: f64,
 }
 
 /// Number of quantities that a sighting depends on.
@@ -53,7 +50,7 @@ fn columns_px<T: Number>(inputs: &Inputs<T>, height_m: T) -> ([T; 2], T) {
 
 impl Range {
     /// The quantities of the history that a sighting depends on, in the order of the inputs after the pose.
-    fn quantities(stamp: usize, landmark: u32) -> [Quantity; N_INPUTS - 4] {
+    fn quantities(stamp: usize, landmark: u32) -> [Quantity; N_INPUTS - 3] {
         [
             Quantity::BodyTilt(stamp, 0),
             Quantity::BodyTilt(stamp, 1),
@@ -67,13 +64,13 @@ impl Range {
             Quantity::RangeTilt(1),
             Quantity::RangeFocal,
             Quantity::RangeBaseline,
+            Quantity::Heave(stamp),
         ]
     }
 
-    fn inputs(history: &History, stamp: usize, quantities: &[Quantity; N_INPUTS - 4]) -> Inputs<f64> {
-        let [x, y, heading] = history.poses[stamp].to_array();
-        let [q0, q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11] = quantities.map(|quantity| history.value(quantity));
-        [x, y, heading, q0, q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, history.heave_m[stamp]]
+    fn inputs<T: Number>(history: &History, look: &Look, quantities: &[Quantity; N_INPUTS - 3]) -> Inputs<T> {
+        let pose = history.pose_at(history.value(Quantity::Instant(Looker::Range, look.stamp)));
+        std::array::from_fn(|at| if at < 3 { pose[at] } else { T::of(history.value(quantities[at - 3])) })
     }
 
     /// Interval in which each view's column is, less the column of the optical axis.
@@ -96,7 +93,7 @@ impl Range {
 }
 
 impl Kind for Range {
-    fn declared(&self, _history: &History) -> Vec<Declared> {
+    fn declared(&self, history: &History) -> Vec<Declared> {
         let model = &self.model;
         let mut all = Vec::new();
         let mut put = |quantity, interval, bound| all.push(Declared { quantity, interval, bound });
@@ -114,10 +111,8 @@ impl Kind for Range {
             put(Quantity::Landmark(code, 2), heights_m, bounds::RANGE_CAMERA_HEIGHT_SPAN);
         }
         for look in &self.looks {
-            for axis in 0..2 {
-                let tilts_rad = Interval::new(-self.body.tilt_rad, self.body.tilt_rad);
-                put(Quantity::BodyTilt(look.stamp, axis), tilts_rad, bounds::BODY_TILT);
-            }
+            let instants_s = history.instants_s(look.measured_s, self.stamp_error_s);
+            put(Quantity::Instant(Looker::Range, look.stamp), instants_s, bounds::RANGE_CAMERA_STAMP);
         }
         all
     }
@@ -130,12 +125,9 @@ impl Kind for Range {
         demand(slack, bounds::RANGE_CAMERA_TILT, history.stamps_s[0], tilt_rad, most_rad)?;
         for look in &self.looks {
             let time_s = history.stamps_s[look.stamp];
-            let off_s = Interval::point(look.measured_s) - Interval::point(time_s);
-            let most_s = within(Interval::point(self.model.stamp_error_s));
-            demand(slack, bounds::RANGE_CAMERA_STAMP, time_s, off_s, most_s)?;
             for sighting in &look.sightings {
                 let quantities = Range::quantities(look.stamp, sighting.landmark.0);
-                let inputs = Range::inputs(history, look.stamp, &quantities).map(Interval::point);
+                let inputs: Inputs<Interval> = Range::inputs(history, look, &quantities);
                 let (columns, depth_m) = columns_px(&inputs, height_m);
                 let ahead = Interval::new(0.0, f64::INFINITY);
                 demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, depth_m, ahead)?;
@@ -150,12 +142,13 @@ impl Kind for Range {
     fn add_rows(&self, near: &mut Linearised<'_>) {
         near.add_disc([0, 1].map(Quantity::RangeTilt), self.model.tilt_rad);
         for look in &self.looks {
+            let velocity = near.history.velocity_at(look.stamp);
             for sighting in &look.sightings {
                 let quantities = Range::quantities(look.stamp, sighting.landmark.0);
-                let inputs = Range::inputs(near.history, look.stamp, &quantities);
+                let inputs: Inputs<f64> = Range::inputs(near.history, look, &quantities);
                 let at = columns_px(&inputs, self.model.height_m).0;
-                let mut terms = [Vec::with_capacity(N_INPUTS + 3), Vec::with_capacity(N_INPUTS + 3)];
-                for input in 0..N_INPUTS - 1 {
+                let mut terms = [Vec::with_capacity(N_INPUTS + 9), Vec::with_capacity(N_INPUTS + 9)];
+                for input in 0..N_INPUTS {
                     let moved = [STEP, -STEP].map(|step| {
                         let mut moved = inputs;
                         moved[input] += step;
@@ -164,7 +157,11 @@ impl Kind for Range {
                     for view in 0..2 {
                         let slope = (moved[0][view] - moved[1][view]) / (2.0 * STEP);
                         match input {
-                            0..3 => terms[view].extend(near.pose(look.stamp, input, slope)),
+                            0..3 => {
+                                terms[view].extend(near.pose(look.stamp, input, slope));
+                                let instant = Quantity::Instant(Looker::Range, look.stamp);
+                                terms[view].push(near.quantity(instant, slope * velocity[input]));
+                            }
                             _ => terms[view].push(near.quantity(quantities[input - 3], slope)),
                         }
                     }

@@ -2,15 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{Map, Pose, PoseBox, Reading, RobotModel};
+use localizer::{Map, Pose, PoseBox, Reading, RobotModel, reading::Camera};
 
-use crate::{devices::Observation, run::RunRecord, scene::Scene, truth::Truth, world::Drawn};
+use crate::{
+    devices::Observation,
+    run::RunRecord,
+    scene::{MethodName, Scene},
+    truth::Truth,
+};
 
 use super::{
     ReadingLog,
+    dots::{self, Dots},
+    eye::Eye,
+    floor::Floor,
     gyro::{Gyro, TurnRate},
     history::{History, Quantity},
-    kind::Kind,
+    joints::Joints,
+    kind::{Declared, Kind},
     motion::Motion,
     range::{Look, Range},
     wheels::Wheels,
@@ -22,25 +31,37 @@ pub(super) fn unsupported(scene: &Scene) -> Option<(&'static str, String, &'stat
     if !scene.stations.is_empty() {
         return Some(("station", "given".to_owned(), "a drive"));
     }
-    if robot.delivery.stamp_tolerance_s > 0.0 {
-        let value = robot.delivery.stamp_tolerance_s.to_string();
-        return Some(("robot.delivery.stamp_tolerance_s", value, "0, as the error of the base's clock is held fixed"));
-    }
     if let Some(gyro) = robot.gyro.as_ref().filter(|gyro| gyro.bias_wander_deg_per_s2 > 0.0) {
         let value = gyro.bias_wander_deg_per_s2.to_string();
         return Some(("robot.gyro.bias_wander_deg_per_s2", value, "0, a constant bias"));
     }
-    let known = "localizer.methods";
-    let other = scene.localizer.methods.iter().find(|method| **method != crate::scene::MethodName::RangeLandmarks)?;
-    Some((known, format!("{other:?}"), "only the method of the range camera"))
+    if robot.flow.is_some() {
+        return Some(("robot.flow", "given".to_owned(), "false, as readings of flow sensors are not checked"));
+    }
+    if let Some(degrees) = scene.bounds.rest_turn_deg {
+        return Some(("bounds.rest_turn_deg", degrees.to_string(), "none, as turns at rest are not checked"));
+    }
+    for camera in [Camera::Floor, Camera::Ceiling] {
+        let row_time_s = robot.camera(camera).map_or(0.0, |keys| keys.shared().lens.row_time_s);
+        if row_time_s > 0.0 {
+            return Some(("lens.row_time_s", row_time_s.to_string(), "0, a global shutter"));
+        }
+    }
+    let other = scene.localizer.methods.iter().find(|method| !CHECKED.contains(method))?;
+    let expected = "range_landmarks, floor_tiles and ceiling_markers only";
+    Some(("localizer.methods", format!("{other:?}"), expected))
 }
+
+/// The methods whose claims or readings are checked.
+const CHECKED: [MethodName; 3] = [MethodName::RangeLandmarks, MethodName::FloorTiles, MethodName::CeilingMarkers];
 
 /// The readings of a run with the truth behind them.
 pub(super) struct Readings<'a> {
+    scene: &'a Scene,
+    record: &'a RunRecord,
     observations: &'a [Observation],
     /// True states at all instants at which something was measured or estimated, in ascending order.
     truths: Vec<Truth>,
-    drawn: &'a Drawn,
     landmarks_m: Vec<[f64; 3]>,
     robot: RobotModel,
     map: Map,
@@ -48,17 +69,19 @@ pub(super) struct Readings<'a> {
 }
 
 impl<'a> Readings<'a> {
-    pub(super) fn of(scene: &Scene, record: &'a RunRecord, log: &'a ReadingLog) -> Self {
+    pub(super) fn of(scene: &'a Scene, record: &'a RunRecord, log: &'a ReadingLog) -> Self {
         let behind = log.observations.iter().map(|observation| observation.truth);
-        let mut truths: Vec<Truth> = behind.chain(log.truths.iter().copied()).collect();
+        let images = record.images.iter().filter(|image| image.camera.is_some()).map(|image| image.truth);
+        let mut truths: Vec<Truth> = behind.chain(images).chain(log.truths.iter().copied()).collect();
         truths.sort_by(|one, other| one.time_s.total_cmp(&other.time_s));
         truths.dedup_by(|one, other| one.time_s == other.time_s);
         let landmarks_m =
             scene.landmarks.iter().map(|landmark| [landmark.x_m, landmark.y_m, landmark.height_m]).collect();
         Readings {
+            scene,
+            record,
             observations: &log.observations,
             truths,
-            drawn: &record.drawn,
             landmarks_m,
             robot: scene.robot_model(),
             map: scene.map(),
@@ -79,17 +102,33 @@ impl<'a> Readings<'a> {
             stamps_s: self.truths.iter().map(|truth| truth.time_s).collect(),
             poses: self.truths.iter().map(|truth| truth.pose).collect::<Vec<Pose>>(),
             wheel_angle_rad: self.truths.iter().map(|truth| truth.wheel_angle_rad).collect(),
-            heave_m: self.truths.iter().map(|truth| truth.heave_m).collect(),
             quantities: BTreeMap::new(),
         }
     }
 
     /// All kinds of readings, with the readings that have arrived by an instant. A new kind gets a line here.
     fn kinds(&self, history: &History, time_s: f64) -> Vec<Box<dyn Kind>> {
-        let motion = Motion { start: self.start, robot: self.robot.clone(), room_m: self.map.room_m };
+        let eye = |camera: Camera| Eye::of(camera, self.scene, &self.robot, &self.record.drawn);
+        let (scene, record, map) = (self.scene, self.record, &self.map);
+        let reads = |method: MethodName| scene.localizer.methods.contains(&method);
+        let range = self.range(history, time_s).filter(|_| reads(MethodName::RangeLandmarks));
+        let joints = eye(Camera::Floor)
+            .filter(|_| reads(MethodName::FloorTiles))
+            .and_then(|eye| Joints::of(scene, record, map, eye, history, time_s));
+        let dots = eye(Camera::Ceiling)
+            .filter(|_| reads(MethodName::CeilingMarkers))
+            .and_then(|eye| Dots::of(record, map, eye, history, time_s));
+        let mut looks: Vec<usize> = range.iter().flat_map(|range| range.looks.iter().map(|look| look.stamp)).collect();
+        looks.extend(joints.iter().flat_map(|joints| joints.looks.iter().map(|look| look.stamp)));
+        looks.extend(dots.iter().flat_map(|dots| dots.looks.iter().map(|look| look.stamp)));
+        looks.sort_unstable();
+        looks.dedup();
+        let motion = Motion { start: self.start, robot: self.robot.clone(), room_m: self.map.room_m, looks };
         let mut kinds: Vec<Box<dyn Kind>> = vec![Box::new(motion), Box::new(self.wheels(history, time_s))];
         kinds.extend(self.gyro(history, time_s).map(|gyro| Box::new(gyro) as Box<dyn Kind>));
-        kinds.extend(self.range(history, time_s).map(|range| Box::new(range) as Box<dyn Kind>));
+        kinds.extend(range.map(|range| Box::new(range) as Box<dyn Kind>));
+        kinds.extend(joints.map(|joints| Box::new(joints) as Box<dyn Kind>));
+        kinds.extend(dots.map(|dots| Box::new(dots) as Box<dyn Kind>));
         kinds
     }
 
@@ -129,25 +168,28 @@ impl<'a> Readings<'a> {
             let sightings = own.map(|(sighting, _)| *sighting).collect();
             Some(Look { stamp, measured_s: *measured_s, sightings })
         });
-        Some(Range { looks: looks.collect(), model, body: self.robot.body })
+        let stamp_error_s = self.scene.robot.range_camera.as_ref()?.stamp_tolerance_s;
+        Some(Range { looks: looks.collect(), model, stamp_error_s })
     }
 
     /// The history with the true values of all quantities that the kinds name.
     fn with_quantities(&self, mut history: History, kinds: &[Box<dyn Kind>]) -> History {
         for kind in kinds {
-            for declared in kind.declared(&history) {
-                history.quantities.insert(declared.quantity, self.true_value(declared.quantity));
+            for Declared { quantity, .. } in kind.declared(&history) {
+                let value = self.true_value(quantity);
+                history.quantities.insert(quantity, value.unwrap_or(f64::NAN));
             }
         }
         history
     }
 
-    /// True value of a quantity; NaN for one that the run does not have.
-    fn true_value(&self, quantity: Quantity) -> f64 {
-        let (base, devices) = (&self.drawn.base, &self.drawn.devices);
+    /// True value of a quantity; `None` for one that the run does not have.
+    fn true_value(&self, quantity: Quantity) -> Option<f64> {
+        let drawn = &self.record.drawn;
+        let (base, devices, place) = (&drawn.base, &drawn.devices, &drawn.place);
         let gyro = devices.gyro.as_ref();
         let range = devices.range_camera.as_ref();
-        let value = match quantity {
+        match quantity {
             Quantity::WheelRadius(wheel) => Some(base.wheel_radius_m[wheel]),
             Quantity::Track => Some(base.track_m),
             Quantity::GyroBias => gyro.map(|gyro| gyro.bias_rad_per_s),
@@ -158,11 +200,26 @@ impl<'a> Readings<'a> {
             Quantity::RangeFocal => range.map(|range| range.focal_px),
             Quantity::RangeBaseline => range.map(|range| range.baseline_m),
             Quantity::Landmark(code, axis) => self.landmarks_m.get(code as usize).map(|landmark_m| landmark_m[axis]),
-            Quantity::BodyTilt(stamp, axis) => {
-                // The history begins with the first of the truths and has a stamp for each.
-                self.truths.get(stamp).map(|truth| truth.tilt_rad[axis])
+            Quantity::Camera(camera, part) => {
+                Some(Eye::true_value(part, self.scene.robot.camera(camera)?, &devices.camera(camera)?))
             }
-        };
-        value.unwrap_or(f64::NAN)
+            Quantity::JointEnd(axis, index, end) => {
+                let floor = Floor::of(&self.map, self.map.tiles.as_ref()?);
+                Some(floor.true_end_m(place.tiles.as_ref()?, (axis, index), end))
+            }
+            Quantity::JointBend(axis, index, crossing) => {
+                let laid = place.tiles.as_ref()?;
+                let mut floor = Floor::of(&self.map, self.map.tiles.as_ref()?);
+                floor.add(laid, (axis, index));
+                Some(floor.true_bend_m(laid, (axis, index), crossing))
+            }
+            Quantity::Marker(..) | Quantity::MarkerTurn(_) | Quantity::MarkerHeight(_) | Quantity::Dot(..) => {
+                dots::true_value(quantity, self.map.markers.as_ref()?, &place.markers)
+            }
+            // The history begins with the first of the truths and has a stamp for each.
+            Quantity::Instant(_, stamp) => Some(self.truths.get(stamp)?.time_s),
+            Quantity::Heave(stamp) => Some(self.truths.get(stamp)?.heave_m),
+            Quantity::BodyTilt(stamp, axis) => Some(self.truths.get(stamp)?.tilt_rad[axis]),
+        }
     }
 }

@@ -9,7 +9,7 @@ use localizer::{Pose, bounds};
 
 use super::{
     ReadingLog,
-    history::{History, Quantity},
+    history::{History, Looker, Quantity},
     kind::Kind,
     readings::Readings,
     search::{TRUTH_SLACK, check, search},
@@ -46,6 +46,7 @@ fn a_constant_a_hair_beyond_its_bound_is_refused_by_name() {
         (Quantity::RangeBaseline, camera.baseline_m.hi(), bounds::RANGE_CAMERA_BASELINE),
         (Quantity::Landmark(7, 2), camera.height_m + camera.height_span_m, bounds::RANGE_CAMERA_HEIGHT_SPAN),
         (Quantity::BodyTilt(50, 0), drive.robot.body.tilt_rad, bounds::BODY_TILT),
+        (Quantity::Heave(50), drive.robot.body.heave_m, bounds::BODY_HEAVE),
     ];
     for (quantity, greatest, bound) in cases {
         let put = |value: f64| {
@@ -166,11 +167,12 @@ fn a_column_a_hair_outside_its_cell_is_refused() {
     assert_eq!(yawed(most_rad * 1.002), Some(bounds::RANGE_CAMERA_COLUMNS));
     assert_eq!(yawed(-most_rad * 1.002), Some(bounds::RANGE_CAMERA_COLUMNS));
     assert_eq!(yawed(most_rad * 0.998), None);
-    // A stamp that is farther from the measurement than declared.
-    let mut range = drive.range();
-    range.looks[0].measured_s += camera.stamp_error_s * 1.0001;
-    let broken = range.check(&drive.history, 0.0).unwrap_err();
-    assert_eq!(broken.bound, bounds::RANGE_CAMERA_STAMP);
+    // An instant that is farther from the stamp than declared.
+    let late = drive.broken_by(|history| {
+        let instant_s = history.stamps_s[50] + camera.stamp_error_s * 1.0001;
+        history.quantities.insert(Quantity::Instant(Looker::Range, 50), instant_s);
+    });
+    assert_eq!(late, Some(bounds::RANGE_CAMERA_STAMP));
 }
 
 #[test]
@@ -190,8 +192,6 @@ fn motion_beyond_its_bounds_is_refused() {
         |by_rad: f64| move |history: &mut History| turned(history, |time_s| if time_s > 0.5 { by_rad } else { 0.0 });
     assert_eq!(check_motion(&turn(too_much_rad)), Some(bounds::REACH_TURN_RATE));
     assert_eq!(check_motion(&turn(too_much_rad * 0.999)), None);
-    let heave_m = drive.robot.body.heave_m * 1.0001;
-    assert_eq!(check_motion(&|history| history.heave_m[3] = heave_m), Some(bounds::BODY_HEAVE));
     let mut by_wall = drive.motion();
     by_wall.room_m[0] = Interval::new(2.0 - drive.robot.body.clearance_m + 1e-9, 5.0);
     assert_eq!(by_wall.check(&drive.history, 0.0).unwrap_err().bound, bounds::ROOM_WALLS);

@@ -12,7 +12,7 @@ use localizer::{
 
 use super::super::{
     gyro::{Gyro, TurnRate},
-    history::{History, Quantity},
+    history::{History, Looker, Quantity},
     kind::Kind,
     motion::Motion,
     range::{Look, Range},
@@ -78,11 +78,12 @@ impl Drive {
         for &stamp in looks {
             quantities.insert(Quantity::BodyTilt(stamp, 0), 0.0);
             quantities.insert(Quantity::BodyTilt(stamp, 1), 0.0);
+            quantities.insert(Quantity::Heave(stamp), 0.0);
+            quantities.insert(Quantity::Instant(Looker::Range, stamp), times_s[stamp]);
         }
         let history = History {
             poses: poses.collect(),
             wheel_angle_rad: angles.collect(),
-            heave_m: vec![0.0; times_s.len()],
             stamps_s: times_s,
             quantities,
         };
@@ -96,7 +97,7 @@ impl Drive {
 
     pub(super) fn motion(&self) -> Motion {
         let start = PoseBox::from(self.history.poses[0].to_array().map(Interval::point));
-        Motion { start, robot: self.robot.clone(), room_m: [Interval::new(0.0, 5.0), Interval::new(0.0, 4.0)] }
+        Motion { start, robot: self.robot.clone(), room_m: [Interval::new(0.0, 5.0), Interval::new(0.0, 4.0)], looks: self.looks.clone() }
     }
 
     pub(super) fn wheels(&self) -> Wheels {
@@ -132,7 +133,7 @@ impl Drive {
             measured_s: self.history.stamps_s[stamp],
             sightings: vec![sighting(stamp, 7), sighting(stamp, 9)],
         });
-        Range { looks: looks.collect(), model, body: self.robot.body }
+        Range { looks: looks.collect(), stamp_error_s: model.stamp_error_s, model }
     }
 
     /// The bound that a changed history breaks, with the readings of the unchanged one.
