@@ -106,6 +106,15 @@ pub struct Sharpness {
 }
 
 impl Sharpness {
+    /// Means of an axis over the instants with a pair of witnesses: of the box's width, and of the witnesses' distance; `None` where there is none.
+    pub fn means(&self, axis: usize) -> Option<[f64; 2]> {
+        let with_pair: Vec<&Instant> = self.instants.iter().filter(|instant| instant.spanned[axis] > 0.0).collect();
+        let mean = |of: &dyn Fn(&Instant) -> f64| {
+            with_pair.iter().map(|instant| of(instant)).sum::<f64>() / with_pair.len() as f64
+        };
+        (!with_pair.is_empty()).then(|| [mean(&|instant| instant.width[axis]), mean(&|instant| instant.spanned[axis])])
+    }
+
     /// Median of the ratios of an axis, over the instants with a pair of witnesses; `None` where there is none.
     pub fn median(&self, axis: usize) -> Option<f64> {
         let mut ratios: Vec<f64> = self.instants.iter().filter_map(|instant| instant.ratio(axis)).collect();
@@ -136,11 +145,15 @@ pub enum SharpnessError {
     },
 }
 
-/// Instants at which sharpness is measured, for a drive that lasts `duration_s`: evenly spaced, the last at the end or after 200 s.
+/// Instants at which sharpness is measured, for a drive that lasts `duration_s` or its first 200 s: one in each of equally long spans, at places that
+/// fall evenly over the span. So they fall evenly over the periods of all sensors, too, and means over them are means over the drive.
 pub fn instants_s(duration_s: f64) -> Vec<f64> {
-    let last_s = duration_s.min(LONGEST_S);
+    /// Multiples of the golden ratio are spread over the whole numbers' remainders as evenly as any numbers can be.
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let span_s = duration_s.min(LONGEST_S) / N_INSTANTS as f64;
+    let place = |at: usize| at as f64 + (GOLDEN * (at + 1) as f64).fract();
     // Estimates are made every 10 ms.
-    (1..=N_INSTANTS).map(|at| (last_s * at as f64 / N_INSTANTS as f64 * 100.0).floor() / 100.0).collect()
+    (0..N_INSTANTS).map(|at| (place(at) * span_s * 100.0).floor() / 100.0).collect()
 }
 
 /// Measures the sharpness of a recorded run of a scene, whose readings are in the log. `progress` is called with the number of instants done.

@@ -132,6 +132,8 @@ fn as_json(scene: &str, seed: u64, measured: &Sharpness) -> String {
         "scene": scene,
         "seed": seed,
         "instants": instants.collect::<Value>(),
+        "mean_width": by_axis(&|axis| measured.means(axis).map(|[width, _]| width).into()),
+        "mean_spanned": by_axis(&|axis| measured.means(axis).map(|[_, spanned]| spanned).into()),
         "median_ratio": by_axis(&|axis| measured.median(axis).into()),
         "instants_with_witnesses": measured.instants.iter().filter(|instant| instant.has_pair()).count(),
     });
@@ -158,6 +160,15 @@ fn as_table(measured: &Sharpness) -> String {
         format!("{} {median}", axis_name(axis))
     });
     let n_found = measured.instants.iter().filter(|instant| instant.has_pair()).count();
+    let means = (0..3).map(|axis| match measured.means(axis) {
+        Some(means) => {
+            let [width, spanned] = means.map(|mean| shown(axis, mean));
+            format!("mean     {:7}  {width}  {spanned}  {:6.2}\n", axis_name(axis), means[0] / means[1])
+        }
+        None => format!("mean     {:7}  none\n", axis_name(axis)),
+    });
+    text.push('\n');
+    text.extend(means);
     text += &format!("\nmedian ratio: {}\n", medians.collect::<Vec<_>>().join(", "));
     text += &format!("witnesses along every axis at {n_found} of {} instants\n", measured.instants.len());
     text

@@ -22,9 +22,6 @@ use super::{
 /// What is broken when more markers of an image are false than the scene's `robot.ceiling_camera.q_items` allows.
 pub(super) const FALSE_MARKERS: &str = "ceiling_markers.q_items";
 
-/// Share of a dot's bound above which the dot gets rows of its own in the search.
-const NEARLY: f64 = 0.3;
-
 /// A marker as it was claimed in one image.
 pub(super) struct Seen {
     pub(super) marker: PlacedMarker,
@@ -85,8 +82,7 @@ impl Dots {
         let (sin, cos) = (turn_rad.sin(), turn_rad.cos());
         let nominal_m = dot_in_marker_m(place);
         let [x, y] = [0, 1].map(|axis| T::of(nominal_m[axis]) + value(Quantity::Dot(id, place, axis)));
-        let [centre_x, centre_y] =
-            [0, 1].map(|axis| T::of(marker.centre_m[axis]) + value(Quantity::Marker(id, axis)));
+        let [centre_x, centre_y] = [0, 1].map(|axis| T::of(marker.centre_m[axis]) + value(Quantity::Marker(id, axis)));
         [centre_x + cos * x - sin * y, centre_y + sin * x + cos * y, value(Quantity::MarkerHeight(id))]
     }
 
@@ -202,20 +198,17 @@ impl Kind for Dots {
                 let id = seen.marker.id.0;
                 let turn_rad = seen.marker.rotation_rad + history.value(Quantity::MarkerTurn(id));
                 let (sin, cos) = turn_rad.sin_cos();
-                let outermost = outermost(&seen.dots_px);
-                for (at, (place, [u, v, bound_px])) in seen.dots_px.iter().enumerate() {
+                for (place, [u, v, bound_px]) in &seen.dots_px {
                     let point_m = Dots::point_m(history, &seen.marker, *place);
                     let at_px = slopes.sight.pixel(point_m).0;
                     let off_px = [at_px[0] - u, at_px[1] - v];
                     for axis in 0..2 {
-                        if !outermost.contains(&at) && off_px[axis].abs() < NEARLY * bound_px {
-                            continue;
-                        }
                         let direction = if axis == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
                         let mut terms = slopes.terms(near, point_m, direction);
                         let [by_x, by_y, by_z] = slopes.by_point(point_m, direction);
-                        let from_centre_m = [0, 1]
-                            .map(|axis| point_m[axis] - seen.marker.centre_m[axis] - history.value(Quantity::Marker(id, axis)));
+                        let from_centre_m = [0, 1].map(|axis| {
+                            point_m[axis] - seen.marker.centre_m[axis] - history.value(Quantity::Marker(id, axis))
+                        });
                         terms.extend([
                             near.quantity(Quantity::Marker(id, 0), by_x),
                             near.quantity(Quantity::Marker(id, 1), by_y),
@@ -230,13 +223,4 @@ impl Kind for Dots {
             }
         }
     }
-}
-
-/// Indices of the dots that are farthest out along the diagonals of the image.
-fn outermost(dots_px: &[(GridPlace, [f64; 3])]) -> Vec<usize> {
-    let farthest = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]| {
-        let far = |at: &usize| x * dots_px[*at].1[0] + y * dots_px[*at].1[1];
-        (0..dots_px.len()).max_by(|a, b| far(a).total_cmp(&far(b)))
-    });
-    farthest.into_iter().flatten().collect()
 }

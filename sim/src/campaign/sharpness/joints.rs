@@ -78,7 +78,8 @@ impl Nearest {
         let mut along_m = from_m;
         let mut nearest = Nearest { along_m, normal: [0.0; 2], off_px: f64::INFINITY };
         for _ in 0..N_STEPS {
-            let [[u0, v0], [u1, v1]] = [along_m, along_m + ALONG_M].map(|along_m| sight.pixel(course.point_m(along_m)).0);
+            let [[u0, v0], [u1, v1]] =
+                [along_m, along_m + ALONG_M].map(|along_m| sight.pixel(course.point_m(along_m)).0);
             let (du, dv) = (u1 - u0, v1 - v0);
             let length_px = du.hypot(dv);
             let normal = [-dv / length_px, du / length_px];
@@ -129,7 +130,12 @@ impl Joints {
     }
 
     /// Whether a claimed line is true: as many points as needed are surely within their bounds of the joint's image.
-    fn holds(&self, history: &History, sights: &(Sight<f64>, Sight<Interval>), line: &Line) -> Result<(), [Interval; 2]> {
+    fn holds(
+        &self,
+        history: &History,
+        sights: &(Sight<f64>, Sight<Interval>),
+        line: &Line,
+    ) -> Result<(), [Interval; 2]> {
         let mut n_left = line.points_px.len() - line.n_needed.min(line.points_px.len());
         let course: Course<f64> = self.floor.course(history, line.joint);
         let exact: Course<Interval> = self.floor.course(history, line.joint);

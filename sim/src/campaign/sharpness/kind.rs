@@ -73,10 +73,6 @@ pub(super) fn within(most: Interval) -> Interval {
     Interval::new(-most.lo(), most.lo())
 }
 
-/// Share of the width of a row's interval by which it is narrowed at both ends. The room is for what is not linear; the witness loses about twice
-/// that share of its distance.
-const MARGIN: f64 = 0.004;
-
 /// How far a program may go from its history.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trust {
@@ -84,6 +80,8 @@ pub(super) struct Trust {
     pub(super) most: f64,
     /// Whether quantities move that are multiplied by others, so that linear rows are good only near the history.
     pub(super) moves_products: bool,
+    /// Share of the width of each row's interval by which it is narrowed at both ends. The room is for what is not linear.
+    pub(super) margin: f64,
 }
 
 /// Share of a value by which the range of its deviation is narrowed at both ends, so that their sum rounds to a number in the declared interval.
@@ -103,6 +101,7 @@ pub(super) struct Linearised<'a> {
     /// For each stamp how the heading changes per deviation of the gyroscope's scale.
     stretches_rad: Vec<f64>,
     quantities: BTreeMap<Quantity, usize>,
+    margin: f64,
     /// Interval of each unknown.
     pub(super) ranges: Vec<Interval>,
     /// Terms and interval of each row.
@@ -146,6 +145,7 @@ impl<'a> Linearised<'a> {
             places,
             stretches_rad,
             quantities: indices,
+            margin: trust.margin,
             ranges: pose_ranges,
             rows: Vec::new(),
         };
@@ -211,7 +211,7 @@ impl<'a> Linearised<'a> {
     /// Adds the row that a value, which is `value` at the history and changes by the terms, stays in an interval.
     pub(super) fn add(&mut self, mut terms: Vec<(usize, f64)>, value: f64, allowed: Interval) {
         terms.retain(|(_, coefficient)| *coefficient != 0.0);
-        let narrowed_by = MARGIN * allowed.width();
+        let narrowed_by = self.margin * allowed.width();
         let (lo, hi) = (allowed.lo() + narrowed_by - value, allowed.hi() - narrowed_by - value);
         if lo <= hi {
             self.rows.push((terms, Interval::new(lo, hi)));

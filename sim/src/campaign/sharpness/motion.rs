@@ -60,8 +60,7 @@ impl Kind for Motion {
                 interval: tilts_rad,
                 bound: bounds::BODY_TILT,
             };
-            let heave =
-                Declared { quantity: Quantity::Heave(stamp), interval: heaves_m, bound: bounds::BODY_HEAVE };
+            let heave = Declared { quantity: Quantity::Heave(stamp), interval: heaves_m, bound: bounds::BODY_HEAVE };
             [tilt(0), tilt(1), heave]
         };
         self.looks.iter().flat_map(of_look).collect()

@@ -15,12 +15,17 @@ use super::{
 
 /// Least time between two knots, the stamps at which a candidate's motion may depart from the truth in another way than before.
 const KNOT_S: f64 = 0.79;
+/// Time before the end within which every look is a knot: there the latest looks, one by one, decide where a history may end.
+const LATEST_S: f64 = 2.0;
 /// Time between two knots where nothing is looked at.
 const LONGEST_S: f64 = 0.8;
-/// Greatest number of programs for one direction of one axis. The third one is usually the last: what the second leaves is of fourth order.
-const MOST_PROGRAMS: usize = 6;
+/// Greatest number of programs for one direction of one axis. The third or fourth is usually the last: what the second leaves is of fourth order.
+const MOST_PROGRAMS: usize = 7;
 /// Number of the first programs in which all quantities move. Later ones hold those that enter in products only, so that the rows become exact.
 const N_PROGRAMS_WITH_PRODUCTS: usize = 2;
+/// Share of the width of each row's interval that the first programs and the later ones leave free at both ends, for what is not linear. A witness
+/// loses about twice the last share of its distance.
+const MARGINS: [f64; 2] = [0.004, 0.001];
 /// Greatest number of steps of the solver; after these the point is within a few per mille of the optimum.
 const MOST_STEPS: usize = 24;
 /// Share of the distance by which a step of the solver may still change it when the program counts as solved.
@@ -85,12 +90,14 @@ fn last_pose(history: &History) -> [f64; 3] {
     history.poses.last().copied().unwrap_or_default().to_array()
 }
 
-/// The first and the last stamp, and those between at which something was looked at, at least so far apart.
+/// The first and the last stamp, and those between at which something was looked at, at least so far apart but for the latest.
 fn knots(history: &History) -> Vec<usize> {
     let last = history.stamps_s.len() - 1;
     let mut knots = vec![0];
     for stamp in history.looks().filter(|stamp| *stamp < last) {
-        if history.stamps_s[stamp] - history.stamps_s[knots[knots.len() - 1]] >= KNOT_S {
+        let is_late = history.stamps_s[last] - history.stamps_s[stamp] < LATEST_S;
+        let after_s = history.stamps_s[stamp] - history.stamps_s[knots[knots.len() - 1]];
+        if after_s >= KNOT_S || (is_late && after_s > 0.0) {
             knots.push(stamp);
         }
     }
@@ -188,7 +195,8 @@ impl<'a> Program<'a> {
     ) -> Option<Self> {
         let pose_ranges = knots.iter().flat_map(|_| reach.map(|most| Interval::new(-most, most))).collect();
         let declared: Vec<Declared> = kinds.iter().flat_map(|kind| kind.declared(history)).collect();
-        let trust = Trust { most: reach[0].max(reach[1]), moves_products };
+        let margin = MARGINS[usize::from(!moves_products)];
+        let trust = Trust { most: reach[0].max(reach[1]), moves_products, margin };
         let mut near = Linearised::new(history, knots, pose_ranges, &declared, trust);
         kinds.iter().for_each(|kind| kind.add_rows(&mut near));
         let mut program = LinearProgram::new(near.ranges.clone()).ok()?;

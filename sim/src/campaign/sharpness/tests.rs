@@ -1,6 +1,7 @@
 //! Histories made by hand: one keeps every bound, and for each bound another breaks it by a hair.
 
 mod drive;
+mod images;
 
 use std::f64::consts::TAU;
 

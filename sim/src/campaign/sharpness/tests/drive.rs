@@ -81,12 +81,8 @@ impl Drive {
             quantities.insert(Quantity::Heave(stamp), 0.0);
             quantities.insert(Quantity::Instant(Looker::Range, stamp), times_s[stamp]);
         }
-        let history = History {
-            poses: poses.collect(),
-            wheel_angle_rad: angles.collect(),
-            stamps_s: times_s,
-            quantities,
-        };
+        let history =
+            History { poses: poses.collect(), wheel_angle_rad: angles.collect(), stamps_s: times_s, quantities };
         Drive { robot, history, looks: looks.to_vec() }
     }
 
@@ -97,7 +93,12 @@ impl Drive {
 
     pub(super) fn motion(&self) -> Motion {
         let start = PoseBox::from(self.history.poses[0].to_array().map(Interval::point));
-        Motion { start, robot: self.robot.clone(), room_m: [Interval::new(0.0, 5.0), Interval::new(0.0, 4.0)], looks: self.looks.clone() }
+        Motion {
+            start,
+            robot: self.robot.clone(),
+            room_m: [Interval::new(0.0, 5.0), Interval::new(0.0, 4.0)],
+            looks: self.looks.clone(),
+        }
     }
 
     pub(super) fn wheels(&self) -> Wheels {
