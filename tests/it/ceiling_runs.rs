@@ -28,7 +28,7 @@ fn text(more: &str) -> String {
     format!("{head}{more}[markers]\nheight_tolerance_m = 0.004\nTOLERANCES{markers}")
 }
 
-fn scene(more: &str) -> Scene {
+pub(crate) fn scene(more: &str) -> Scene {
     let text = text(more).replace("ERRORS", "").replace("TOLERANCES", "");
     Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }

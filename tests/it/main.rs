@@ -66,6 +66,8 @@ mod ceiling_pasted;
 mod calibration_rendered;
 /// Tests of whole runs that localize by markers on the ceiling.
 mod ceiling_runs;
+/// Tests of histories other than the truth that keep every declared bound on the readings of a run.
+mod witnesses;
 /// Tests of the proof that markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;
 /// Tests of the command `wherein markers`: the sheet that it prints and the map that it writes.

@@ -45,6 +45,9 @@ const N_INSTANTS: usize = 20;
 /// Time of a drive beyond which no instant lies: the work for one instant grows with the time before it.
 const LONGEST_S: f64 = 200.0;
 
+/// Time below which two instants are the same and differ by rounding alone: no device measures twice within it.
+const SAME_S: f64 = 1e-9;
+
 /// Names of the axes of a pose with their units, in the order of every array of this module.
 pub const AXES: [&str; 3] = ["x_m", "y_m", "heading_rad"];
 

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use interval::Interval;
 use localizer::{Pose, markers::GridPlace, reading::Camera};
 
-use super::number::Number;
+use super::{SAME_S, number::Number};
 
 /// A device that looks at the robot's surroundings at single instants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -106,9 +106,10 @@ impl History {
         self.quantities.get(&quantity).copied().unwrap_or(f64::NAN)
     }
 
-    /// Index of the stamp at exactly this instant.
+    /// Index of the stamp at this instant.
     pub(super) fn stamp_at(&self, time_s: f64) -> Option<usize> {
-        self.stamps_s.binary_search_by(|stamp_s| stamp_s.total_cmp(&time_s)).ok()
+        let at = self.stamps_s.partition_point(|stamp_s| *stamp_s < time_s - SAME_S);
+        self.stamps_s.get(at).filter(|stamp_s| **stamp_s < time_s + SAME_S).map(|_| at)
     }
 
     /// Stamps at which a device looked at something, in ascending order.

@@ -12,7 +12,7 @@ use crate::{
 };
 
 use super::{
-    ReadingLog,
+    ReadingLog, SAME_S,
     dots::{self, Dots},
     eye::Eye,
     floor::Floor,
@@ -74,7 +74,8 @@ impl<'a> Readings<'a> {
         let images = record.images.iter().filter(|image| image.camera.is_some()).map(|image| image.truth);
         let mut truths: Vec<Truth> = behind.chain(images).chain(log.truths.iter().copied()).collect();
         truths.sort_by(|one, other| one.time_s.total_cmp(&other.time_s));
-        truths.dedup_by(|one, other| one.time_s == other.time_s);
+        // Instants that differ by rounding are the same.
+        truths.dedup_by(|one, other| one.time_s - other.time_s < SAME_S);
         let landmarks_m =
             scene.landmarks.iter().map(|landmark| [landmark.x_m, landmark.y_m, landmark.height_m]).collect();
         Readings {
@@ -91,7 +92,8 @@ impl<'a> Readings<'a> {
 
     /// The true history up to an instant, and all readings that have arrived by then; `None` where nothing was measured yet.
     pub(super) fn until(&self, time_s: f64) -> Option<(History, Vec<Box<dyn Kind>>)> {
-        let history = self.truth().until(self.truths.iter().position(|truth| truth.time_s == time_s)?);
+        let whole = self.truth();
+        let history = whole.until(whole.stamp_at(time_s)?);
         let kinds = self.kinds(&history, time_s);
         (history.stamps_s.len() > 1).then(|| (self.with_quantities(history, &kinds), kinds))
     }

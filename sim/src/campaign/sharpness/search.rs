@@ -15,8 +15,10 @@ use super::{
 
 /// Least time between two knots, the stamps at which a candidate's motion may depart from the truth in another way than before.
 const KNOT_S: f64 = 0.79;
-/// Time before the end within which every look is a knot: there the latest looks, one by one, decide where a history may end.
+/// Time before the end within which knots may be closer: there the latest looks, one by one, decide where a history may end.
 const LATEST_S: f64 = 2.0;
+/// Least time between two knots there. Closer ones would leave wheels hardly any time to change their speed.
+const LATEST_KNOT_S: f64 = 0.09;
 /// Time between two knots where nothing is looked at.
 const LONGEST_S: f64 = 0.8;
 /// Greatest number of programs for one direction of one axis. The third or fourth is usually the last: what the second leaves is of fourth order.
@@ -97,7 +99,7 @@ fn knots(history: &History) -> Vec<usize> {
     for stamp in history.looks().filter(|stamp| *stamp < last) {
         let is_late = history.stamps_s[last] - history.stamps_s[stamp] < LATEST_S;
         let after_s = history.stamps_s[stamp] - history.stamps_s[knots[knots.len() - 1]];
-        if after_s >= KNOT_S || (is_late && after_s > 0.0) {
+        if after_s >= KNOT_S || (is_late && after_s >= LATEST_KNOT_S) {
             knots.push(stamp);
         }
     }

@@ -183,18 +183,41 @@ impl Kind for Wheels {
                 let terms = if channel == 2 {
                     gains.left(near, from, to)
                 } else {
-                    let mut terms = gains.along_of(near, from, to);
-                    let side = if channel == 0 { -0.5 } else { 0.5 };
-                    let track_m = history.value(Quantity::Track);
-                    terms.extend(near.pose(to, 2, side * track_m));
-                    terms.extend(near.pose(from, 2, -side * track_m));
-                    let turn_rad = history.poses[to].heading_rad - history.poses[from].heading_rad;
-                    terms.push(near.quantity(Quantity::Track, side * turn_rad));
+                    let mut terms = gains.wheel(near, channel, from, to);
                     let rolled_rad = history.wheel_angle_rad[to][channel] - history.wheel_angle_rad[from][channel];
                     terms.push(near.quantity(Quantity::WheelRadius(channel), -rolled_rad));
                     terms
                 };
                 near.add(terms, slip_m, Interval::new(-most_m, most_m));
+            }
+        }
+        self.add_acceleration_rows(near, &gains, &travel);
+    }
+}
+
+impl Wheels {
+    /// Rows of the acceleration of each wheel's travel. Between two knots a deviation changes it hardly, so that readings around knots count.
+    fn add_acceleration_rows(&self, near: &mut Linearised<'_>, gains: &Gains, travel: &Travel) {
+        let history = near.history;
+        let most = self.reach.acceleration_m_per_s2;
+        for at in 2..self.readings.len() {
+            let stamps = [2, 1, 0].map(|back| self.readings[at - back].0);
+            let next_knot = near.knots.partition_point(|knot| *knot <= stamps[0]);
+            if near.knots.get(next_knot).is_none_or(|knot| *knot >= stamps[2]) {
+                continue;
+            }
+            let [before_s, now_s, after_s] = stamps.map(|stamp| history.stamps_s[stamp]);
+            let span_s = 0.5 * (after_s - before_s);
+            let [first, last] = [-1.0 / ((now_s - before_s) * span_s), 1.0 / ((after_s - now_s) * span_s)];
+            for (wheel, wheel_m) in travel.wheel_m.iter().enumerate() {
+                let mut terms = Vec::new();
+                let mut value = 0.0;
+                for (begin, per_m) in [(0, first), (1, last)] {
+                    let moved = gains.wheel(near, wheel, stamps[begin], stamps[begin + 1]);
+                    terms.extend(moved.into_iter().map(|(unknown, coefficient)| (unknown, per_m * coefficient)));
+                    value += per_m * (wheel_m[at - 1 + begin] - wheel_m[at - 2 + begin]).mid();
+                }
+                near.add(terms, value, Interval::new(-most, most));
             }
         }
     }
@@ -254,6 +277,17 @@ impl Gains {
             [(a, -cos), (b, cos), (a + 1, -sin), (b + 1, sin), (a + 2, left_0), (b + 2, left_1)]
         });
         terms.collect()
+    }
+
+    /// Terms of the travel of the left (0) or the right (1) wheel's contact point between two stamps.
+    pub(super) fn wheel(&self, near: &Linearised<'_>, wheel: usize, from: usize, to: usize) -> Vec<(usize, f64)> {
+        let mut terms = self.along_of(near, from, to);
+        let side = if wheel == 0 { -0.5 } else { 0.5 };
+        let (track_m, poses) = (near.history.value(Quantity::Track), &near.history.poses);
+        terms.extend(near.pose(to, 2, side * track_m));
+        terms.extend(near.pose(from, 2, -side * track_m));
+        terms.push(near.quantity(Quantity::Track, side * (poses[to].heading_rad - poses[from].heading_rad)));
+        terms
     }
 
     /// Terms of the travel along the robot's y axis between two stamps.

@@ -1,0 +1,60 @@
+//! Witnesses of runs whose images claim joints and markers: the truth with every error at a corner of its tolerance is accepted, and what is found lies
+//! in the localizer's boxes.
+
+use std::path::Path;
+
+use sim::{
+    campaign::sharpness::{ReadingLog, Sharpness, measure},
+    loading::SceneTemplate,
+    render::Renderer,
+    run::{RunOptions, run_witnessed},
+    scene::{Distribution, Scene},
+    subject::IntervalLocalizer,
+};
+
+fn sharpness(scene: &Scene) -> Sharpness {
+    let mut renderer = Renderer::new().unwrap();
+    let (mut log, mut subject) = (ReadingLog::default(), IntervalLocalizer::of(scene));
+    let options = RunOptions::default();
+    let record = run_witnessed(scene, 2, &mut subject, Some(&mut renderer), &options, &mut log, &mut |_| {}).unwrap();
+    measure(scene, "scene", &record, &log, &mut |_| {}).unwrap()
+}
+
+/// A drive over tiles with some keys set and with every error at an end of its tolerance.
+fn over_tiles(keys: &[&str]) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/tiles.toml");
+    let keys: Vec<_> = keys.iter().chain(&["robot.errors=corner"]).map(|key| key.parse().unwrap()).collect();
+    SceneTemplate::load(&path).unwrap().with(&keys).unwrap().scene
+}
+
+/// Demands witnesses in the box along every axis, at all instants but a few, and a box no wider than `most` times their distance at the median instant.
+fn demand_witnesses(found: &Sharpness, most: f64) {
+    for instant in &found.instants {
+        assert!(instant.in_box, "{instant:?}");
+        let is_truth_refused = instant.broken.as_ref().is_some_and(|broken| broken.starts_with("the truth"));
+        assert!(!is_truth_refused, "{instant:?}");
+    }
+    let n_found = found.instants.iter().filter(|instant| instant.has_pair()).count();
+    assert!(n_found + 2 >= found.instants.len(), "{found:?}");
+    for axis in 0..3 {
+        let ratio = found.median(axis).unwrap();
+        assert!((1.0..most).contains(&ratio), "axis {axis}: {ratio}");
+    }
+}
+
+#[test]
+fn witnesses_on_tiles_lie_in_boxes_that_are_little_wider() {
+    demand_witnesses(&sharpness(&over_tiles(&["duration_s=3"])), 2.0);
+}
+
+#[test]
+fn witnesses_on_tiles_keep_the_bounds_of_a_careful_user() {
+    demand_witnesses(&sharpness(&over_tiles(&["duration_s=2", "bounds_from=careful_user_throughout"])), 3.0);
+}
+
+#[test]
+fn witnesses_under_markers_lie_in_boxes_that_are_little_wider() {
+    let mut scene = crate::ceiling_runs::scene("");
+    scene.robot.errors = Distribution::Corner;
+    demand_witnesses(&sharpness(&scene), 2.5);
+}
