@@ -141,6 +141,9 @@ impl History {
                 heading_rad: mix(pose.heading_rad, to.heading_rad),
             };
         }
+        for (angles_rad, to_rad) in mixed.wheel_angle_rad.iter_mut().zip(&other.wheel_angle_rad) {
+            *angles_rad = [0, 1].map(|wheel| mix(angles_rad[wheel], to_rad[wheel]));
+        }
         for (quantity, value) in &mut mixed.quantities {
             *value = mix(*value, other.value(*quantity));
         }

@@ -87,9 +87,14 @@ pub(super) struct Trust {
 /// Share of a value by which the range of its deviation is narrowed at both ends, so that their sum rounds to a number in the declared interval.
 const ROUNDING: f64 = 1e-12;
 
+/// Number of unknowns at each knot: the pose's x, y and heading, and the angles of the left and of the right wheel.
+pub(super) const N_AT_KNOT: usize = 5;
+/// First of a knot's unknowns that is the angle of a wheel.
+pub(super) const WHEEL: usize = 3;
+
 /// A linear program in the deviations from a history, as far as its rows are known.
 ///
-/// Deviations of the pose are unknowns at some of the stamps, the *knots*, and change linearly in time from one knot to the next. In addition, a
+/// Deviations of pose and wheels are unknowns at some of the stamps, the *knots*, and change linearly in time from one knot to the next. In addition, a
 /// deviation of the gyroscope's scale stretches the turn between two knots, so that it agrees with every reading between them.
 pub(super) struct Linearised<'a> {
     /// The history from which deviations count.
@@ -109,12 +114,11 @@ pub(super) struct Linearised<'a> {
 }
 
 impl<'a> Linearised<'a> {
-    /// The program without rows: three unknowns for each knot, within `pose_ranges`, then one for each
-    /// quantity that is declared.
+    /// The program without rows: the unknowns of each knot, within `knot_ranges`, then one for each quantity that is declared.
     pub(super) fn new(
         history: &'a History,
         knots: &'a [usize],
-        pose_ranges: Vec<Interval>,
+        knot_ranges: Vec<Interval>,
         declared: &[Declared],
         trust: Trust,
     ) -> Self {
@@ -137,8 +141,8 @@ impl<'a> Linearised<'a> {
                 if stretch.is_finite() { stretch } else { 0.0 }
             })
             .collect();
-        let n_poses = pose_ranges.len();
-        let indices = declared.iter().enumerate().map(|(at, declared)| (declared.quantity, n_poses + at)).collect();
+        let n_at_knots = knot_ranges.len();
+        let indices = declared.iter().enumerate().map(|(at, declared)| (declared.quantity, n_at_knots + at)).collect();
         let mut near = Linearised {
             history,
             knots,
@@ -146,7 +150,7 @@ impl<'a> Linearised<'a> {
             stretches_rad,
             quantities: indices,
             margin: trust.margin,
-            ranges: pose_ranges,
+            ranges: knot_ranges,
             rows: Vec::new(),
         };
         for Declared { quantity, interval, .. } in declared {
@@ -174,13 +178,18 @@ impl<'a> Linearised<'a> {
         self.ranges.len() - 1
     }
 
-    /// Terms of a coefficient times the deviation of a pose's x (0), y (1) or heading (2) at a stamp.
+    /// Index of a knot's unknown.
+    pub(super) fn at_knot(&self, knot: usize, axis: usize) -> usize {
+        N_AT_KNOT * knot + axis
+    }
+
+    /// Terms of a coefficient times the deviation of a pose's x (0), y (1) or heading (2), or of the left (3) or the right (4) wheel's angle, at a stamp.
     pub(super) fn pose(&self, stamp: usize, axis: usize, coefficient: f64) -> [(usize, f64); 3] {
         let (knot, share) = self.places[stamp];
         let stretch = if axis == 2 { self.stretches_rad[stamp] } else { 0.0 };
         [
-            (3 * knot + axis, coefficient * (1.0 - share)),
-            (3 * (knot + 1) + axis, coefficient * share),
+            (self.at_knot(knot, axis), coefficient * (1.0 - share)),
+            (self.at_knot(knot + 1, axis), coefficient * share),
             self.quantity(Quantity::GyroScale, coefficient * stretch),
         ]
     }
@@ -188,10 +197,11 @@ impl<'a> Linearised<'a> {
     /// The history that deviates from this one by a point of the program.
     pub(super) fn moved(&self, point: &[f64]) -> History {
         let mut moved = self.history.clone();
-        for (stamp, pose) in moved.poses.iter_mut().enumerate() {
-            let by = [0, 1, 2].map(|axis| {
+        for (stamp, (pose, angles_rad)) in moved.poses.iter_mut().zip(&mut moved.wheel_angle_rad).enumerate() {
+            let by: [f64; N_AT_KNOT] = std::array::from_fn(|axis| {
                 self.pose(stamp, axis, 1.0).iter().map(|&(at, coefficient)| coefficient * point[at]).sum::<f64>()
             });
+            (0..2).for_each(|wheel| angles_rad[wheel] += by[WHEEL + wheel]);
             let [x_m, y_m, heading_rad] = [pose.x_m + by[0], pose.y_m + by[1], pose.heading_rad + by[2]];
             *pose = Pose { x_m, y_m, heading_rad };
         }

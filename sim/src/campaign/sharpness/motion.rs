@@ -93,7 +93,7 @@ impl Kind for Motion {
             let pose = history.poses[near.knots[knot]].to_array();
             for (axis, room_m) in self.room_m.into_iter().enumerate() {
                 let left = Interval::new(room_m.lo() + clearance_m, room_m.hi() - clearance_m);
-                near.add(vec![(3 * knot + axis, 1.0)], pose[axis], left);
+                near.add(vec![(near.at_knot(knot, axis), 1.0)], pose[axis], left);
             }
         }
         for stamp in history.looks() {

@@ -10,7 +10,7 @@ use interval::{
 
 use super::{
     history::History,
-    kind::{Broken, Declared, Kind, Linearised, Trust, demand},
+    kind::{Broken, Declared, Kind, Linearised, N_AT_KNOT, Trust, demand},
 };
 
 /// Least time between two knots, the stamps at which a candidate's motion may depart from the truth in another way than before.
@@ -195,11 +195,14 @@ impl<'a> Program<'a> {
         reach: [f64; 3],
         moves_products: bool,
     ) -> Option<Self> {
-        let pose_ranges = knots.iter().flat_map(|_| reach.map(|most| Interval::new(-most, most))).collect();
+        // The kind of the wheels narrows the ranges of their angles.
+        let [x_m, y_m, heading_rad] = reach;
+        let most: [f64; N_AT_KNOT] = [x_m, y_m, heading_rad, 1.0, 1.0];
+        let knot_ranges = knots.iter().flat_map(|_| most.map(|most| Interval::new(-most, most))).collect();
         let declared: Vec<Declared> = kinds.iter().flat_map(|kind| kind.declared(history)).collect();
         let margin = MARGINS[usize::from(!moves_products)];
         let trust = Trust { most: reach[0].max(reach[1]), moves_products, margin };
-        let mut near = Linearised::new(history, knots, pose_ranges, &declared, trust);
+        let mut near = Linearised::new(history, knots, knot_ranges, &declared, trust);
         kinds.iter().for_each(|kind| kind.add_rows(&mut near));
         let mut program = LinearProgram::new(near.ranges.clone()).ok()?;
         for (terms, interval) in &near.rows {
@@ -212,7 +215,7 @@ impl<'a> Program<'a> {
     /// The history that the program puts farthest out along an axis; `None` where the solver's point is no number.
     fn farthest(&self, axis: usize, side: f64) -> Option<History> {
         let mut solver = self.solver.clone();
-        let last = 3 * (self.near.knots.len() - 1) + axis;
+        let last = self.near.at_knot(self.near.knots.len() - 1, axis);
         let mut search = solver.begin(&[(last, -side)]);
         let mut farthest: Option<Vec<f64>> = None;
         let mut n_settled = 0;

@@ -225,8 +225,8 @@ fn the_truth_of_a_corner_run_is_a_witness_of_itself() {
     }
 }
 
-/// Two seconds of wheels alone with a known start: the distance along x is off by 0.2 % of radius, 0.5 % of slip and 0.1 mm for each of ten windows,
-/// so that with 0.4 m the farthest histories are 2·(0.0008 + 0.002 + 0.001) m apart. None can be farther; the search finds nearly that.
+/// Two seconds of wheels alone with a known start: the distance along x is off by 0.2 % of radius, 0.5 % of slip, 0.1 mm for each of ten windows
+/// and a tick of 0.03 mm, so that with 0.4 m the farthest histories are 2·(0.0008 + 0.002 + 0.001 + 0.00003) m apart. None can be farther; the search finds nearly that.
 #[test]
 fn the_farthest_witnesses_of_a_straight_drive_are_where_its_bounds_say() {
     let mut drive = Drive::on_circle(&[]);
@@ -237,8 +237,10 @@ fn the_farthest_witnesses_of_a_straight_drive_are_where_its_bounds_say() {
     }
     let wheels = &drive.robot.wheels;
     let way_m = SPEED_M_PER_S * N_STEPS as f64 * STEP_S;
+    let tick_m = TAU * wheels.radius_m[0].mid() / wheels.ticks_per_turn;
     let radius_share = wheels.radius_m[0].radius() / wheels.radius_m[0].mid();
-    let most_m = way_m * (radius_share * (1.0 + wheels.slip_ratio) + wheels.slip_ratio) + 10.0 * wheels.slip_floor_m;
+    let most_m =
+        way_m * (radius_share * (1.0 + wheels.slip_ratio) + wheels.slip_ratio) + 10.0 * wheels.slip_floor_m + tick_m;
     let kinds: Vec<Box<dyn Kind>> = vec![Box::new(drive.motion()), Box::new(drive.wheels())];
     let found = search(&drive.history, &kinds, [0.05, 0.05, 0.1]).unwrap();
     let width_m = found.spanned[0].width();
