@@ -58,6 +58,7 @@ fn a_summary_lists_its_parts_in_the_order_of_the_contract() {
     let parts = [
         "scene",
         "seed",
+        "subject",
         "version",
         "adapter",
         "duration_s",
@@ -67,6 +68,8 @@ fn a_summary_lists_its_parts_in_the_order_of_the_contract() {
         "width",
         "power",
         "availability",
+        "distribution",
+        "latency_s",
         "methods",
         "baselines",
         "metrics",

@@ -6,7 +6,8 @@
 //! sharpness from above: 1 is a box that cannot be narrower.
 //!
 //! Every witness is checked by code that shares nothing with the localizer's measurements: it computes each reading from the history by its own
-//! formulas, in interval arithmetic, and compares it with the declared bound. Where the search ends early, witnesses are weak and the figure is too great, never too small.
+//! formulas, in interval arithmetic, and compares it with the declared bound. Where the search ends early, witnesses are weak and the figure is too
+//! great, never too small.
 
 mod dots;
 mod eye;

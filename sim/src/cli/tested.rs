@@ -9,8 +9,8 @@ use crate::subject::{SubjectChoice, USUAL_LIMIT};
 /// Arguments that choose the localizer under test.
 #[derive(Debug, Args)]
 pub(super) struct Tested {
-    /// Localizer to test: intervals (the project's own), another by its name, or a command in quotes, which is given the readings as an MCAP stream on its standard input
-    /// and writes its answers to its standard output.
+    /// Localizer to test: intervals (the project's own), another by its name, or a command in quotes, which is given the readings as an MCAP stream
+    /// on its standard input and writes its answers to its standard output.
     #[arg(long, value_name = "NAME|COMMAND", default_value_t)]
     subject: SubjectChoice,
     /// Time that a tested command has for each answer, in seconds of the clock on the wall; longer is a failure.

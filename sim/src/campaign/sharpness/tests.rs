@@ -226,7 +226,8 @@ fn the_truth_of_a_corner_run_is_a_witness_of_itself() {
 }
 
 /// Two seconds of wheels alone with a known start: the distance along x is off by 0.2 % of radius, 0.5 % of slip, 0.1 mm for each of ten windows
-/// and a tick of 0.03 mm, so that with 0.4 m the farthest histories are 2·(0.0008 + 0.002 + 0.001 + 0.00003) m apart. None can be farther; the search finds nearly that.
+/// and a tick of 0.03 mm, so that with 0.4 m the farthest histories are 2·(0.0008 + 0.002 + 0.001 + 0.00003) m apart. None can be farther; the search
+/// finds nearly that.
 #[test]
 fn the_farthest_witnesses_of_a_straight_drive_are_where_its_bounds_say() {
     let mut drive = Drive::on_circle(&[]);
