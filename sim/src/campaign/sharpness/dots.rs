@@ -201,9 +201,7 @@ impl Kind for Dots {
                 for (place, [u, v, bound_px]) in &seen.dots_px {
                     let point_m = Dots::point_m(history, &seen.marker, *place);
                     let at_px = slopes.sight.pixel(point_m).0;
-                    let off_px = [at_px[0] - u, at_px[1] - v];
-                    for axis in 0..2 {
-                        let direction = if axis == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+                    for (off_px, direction) in [(at_px[0] - u, [1.0, 0.0]), (at_px[1] - v, [0.0, 1.0])] {
                         let mut terms = slopes.terms(near, point_m, direction);
                         let [by_x, by_y, by_z] = slopes.by_point(point_m, direction);
                         let from_centre_m = [0, 1].map(|axis| {
@@ -217,7 +215,7 @@ impl Kind for Dots {
                             near.quantity(Quantity::Dot(id, *place, 0), by_x * cos + by_y * sin),
                             near.quantity(Quantity::Dot(id, *place, 1), by_y * cos - by_x * sin),
                         ]);
-                        near.add(terms, off_px[axis], Interval::new(-bound_px, *bound_px));
+                        near.add(terms, off_px, Interval::new(-bound_px, *bound_px));
                     }
                 }
             }
