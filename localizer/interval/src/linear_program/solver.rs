@@ -21,7 +21,7 @@ use super::{
 /// Greatest number of steps; about 12 are usual.
 const MOST_STEPS: usize = 40;
 /// Gap between the values of the primal and the dual problem at which the solver stops, in half widths of the cost's largest term.
-const GAP: f64 = 1e-7;
+const GAP: f64 = 1e-4;
 /// Share of the way to the nearest bound that a step goes at most.
 const SHARE: f64 = 0.995;
 /// Least half width of a row's sides after scaling: an equation has no interior otherwise.
@@ -307,8 +307,7 @@ impl State {
         let value: f64 = self.cost.iter().zip(&self.x).map(|(cost, x)| cost * x.value).sum();
         // A bound above all values of the cost certifies that there is no solution.
         let most: f64 = self.cost.iter().map(|cost| cost.abs()).sum();
-        let is_feasible = self.residual(solver) < GAP;
-        (is_feasible && value - self.best.0 < GAP) || self.best.0 > most + 1.0
+        (value - self.best.0 < GAP && self.residual(solver) < GAP) || self.best.0 > most + 1.0
     }
 
     /// Greatest difference between a slack and its row's value.
