@@ -3,7 +3,7 @@
 
 use interval::Interval;
 use localizer::{
-    motion::{GyroHistory, WheelHistory},
+    motion::{GyroHistory, SumSince, WheelHistory},
     robot::{GyroModel, Reach, WheelModel},
 };
 use rand::{RngExt, SeedableRng};
@@ -73,6 +73,40 @@ fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
                 1 => to_s + 0.003 * rng.random::<f64>(),
                 _ => to_s + 0.05 * rng.random::<f64>(),
             };
+        }
+    }
+}
+
+#[test]
+fn a_sum_that_is_carried_on_is_the_one_from_the_first_reading_and_a_latecomer_leaves_it_true() {
+    let mut rng = ChaCha8Rng::seed_from_u64(23);
+    for round in 0..200 {
+        let (headings, readings) = turned(&mut rng, 1.0);
+        let mut history = GyroHistory::new(model(), 10.0);
+        let from = rng.random_range(0..5_000);
+        let mut since = SumSince::new(from as f64 * 1e-4);
+        // In every second round one reading arrives after the next two.
+        let late = (round % 2 == 1).then(|| rng.random_range(60..90));
+        for (idx, &(time_s, rate)) in readings.iter().enumerate() {
+            if Some(idx) == late {
+                continue;
+            }
+            history.push(time_s, rate);
+            if let Some(late) = late.filter(|late| idx == late + 2) {
+                history.push(readings[late].0, readings[late].1);
+            }
+            let to = (100 * (idx + 1)).saturating_sub(rng.random_range(0..150));
+            if to <= from {
+                continue;
+            }
+            let (from_s, to_s) = (from as f64 * 1e-4, to as f64 * 1e-4);
+            let carried = history.sum_since(&mut since, to_s, CHANGE_RAD_PER_S2).unwrap();
+            if late.is_none() {
+                assert_eq!(carried, history.sum(from_s, to_s, CHANGE_RAD_PER_S2).unwrap(), "from {from_s} to {to_s}");
+            }
+            let turned = Interval::point(headings[to] - headings[from]) * model().scale;
+            let summed = turned + model().bias_rad_per_s * (to_s - from_s);
+            assert!(carried.overlaps(summed), "{carried} has nothing of {summed}, from {from_s} to {to_s}");
         }
     }
 }

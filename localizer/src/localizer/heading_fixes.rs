@@ -12,7 +12,7 @@ use interval::{Interval, contractor::Outcome};
 use crate::{
     bounds,
     bounds::Assumption,
-    motion::{GyroErrors, GyroHistory, sudden_change_rad_per_s2},
+    motion::{GyroErrors, GyroHistory, SumSince, sudden_change_rad_per_s2},
     robot::{GyroModel, Reach},
 };
 
@@ -42,10 +42,24 @@ pub(super) struct HeadingFixes {
     rest_turn_rad: Option<f64>,
     errors: GyroErrors,
     readings: GyroHistory,
-    /// Stamp and heading interval of each heading fix.
-    fixes: VecDeque<(f64, Interval)>,
+    fixes: VecDeque<Fix>,
     /// Time at which the gyroscope's bias was last learnt at rest.
     rested_s: f64,
+}
+
+/// A heading that is known at a stamp.
+#[derive(Clone, Copy, Debug)]
+struct Fix {
+    stamp_s: f64,
+    heading: Interval,
+    /// Sum of the gyroscope's readings since the stamp.
+    read: SumSince,
+}
+
+impl Fix {
+    fn new(stamp_s: f64, heading: Interval) -> Fix {
+        Fix { stamp_s, heading, read: SumSince::new(stamp_s) }
+    }
 }
 
 impl HeadingFixes {
@@ -66,7 +80,7 @@ impl HeadingFixes {
     /// Forgets all heading fixes, and begins again with the heading at time 0.
     pub(super) fn begin(&mut self, heading: Interval) {
         *self = Self::new(self.model, self.change_rad_per_s2, self.rest_turn_rad);
-        self.fixes.push_back((0.0, heading));
+        self.fixes.push_back(Fix::new(0.0, heading));
     }
 
     /// The declared bounds that the learnt bias and scale of the gyroscope rely on.
@@ -94,14 +108,15 @@ impl HeadingFixes {
 
     /// Learns the gyroscope's errors from a heading that is known at a stamp. A heading that contradicts the earlier ones is not kept.
     pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) -> Outcome {
-        for &(fixed_s, before) in &self.fixes {
-            if let Some(read) = self.readings.sum(fixed_s, stamp_s, self.change_rad_per_s2)
-                && let contradiction @ Outcome::Empty(_) = self.errors.learn([fixed_s, stamp_s], read, heading - before)
+        for fix in &mut self.fixes {
+            let (span_s, turn) = ([fix.stamp_s, stamp_s], heading - fix.heading);
+            if let Some(read) = self.readings.sum_since(&mut fix.read, stamp_s, self.change_rad_per_s2)
+                && let contradiction @ Outcome::Empty(_) = self.errors.learn(span_s, read, turn)
             {
                 return contradiction;
             }
         }
-        self.fixes.push_back((stamp_s, heading));
+        self.fixes.push_back(Fix::new(stamp_s, heading));
         self.thin_out(stamp_s);
         Outcome::Feasible
     }
@@ -112,11 +127,10 @@ impl HeadingFixes {
             let [_, while_s] = WHILES_S.into_iter().find(|[old_s, _]| now_s - fixed_s <= *old_s)?;
             Some((while_s, (fixed_s / while_s).floor()))
         };
-        let is_narrower = |one: &(f64, Interval), other: &(f64, Interval)| one.1.width() < other.1.width();
-        let mut kept: VecDeque<(f64, Interval)> = VecDeque::with_capacity(self.fixes.len());
-        for fix in self.fixes.iter().filter(|(fixed_s, _)| while_of(*fixed_s).is_some()) {
-            match kept.back_mut().filter(|last| while_of(last.0) == while_of(fix.0)) {
-                Some(last) if is_narrower(fix, last) => *last = *fix,
+        let mut kept: VecDeque<Fix> = VecDeque::with_capacity(self.fixes.len());
+        for fix in self.fixes.iter().filter(|fix| while_of(fix.stamp_s).is_some()) {
+            match kept.back_mut().filter(|last| while_of(last.stamp_s) == while_of(fix.stamp_s)) {
+                Some(last) if fix.heading.width() < last.heading.width() => *last = *fix,
                 Some(_) => {}
                 None => kept.push_back(*fix),
             }
@@ -127,9 +141,9 @@ impl HeadingFixes {
     /// Heading at a stamp: the intersection of all heading fixes (headings known at earlier stamps) up to [`CARRY_S`] old, each carried to the stamp
     /// by the gyroscope.
     pub(super) fn heading(&self, stamp_s: f64) -> Interval {
-        let carried = self.fixes.iter().filter(|(fixed_s, _)| (stamp_s - CARRY_S..=stamp_s).contains(fixed_s));
-        carried.fold(Interval::ENTIRE, |heading, (fixed_s, fixed)| match self.turn(*fixed_s, stamp_s) {
-            Some(turn) => heading.intersect(*fixed + turn),
+        let carried = self.fixes.iter().filter(|fix| (stamp_s - CARRY_S..=stamp_s).contains(&fix.stamp_s));
+        carried.fold(Interval::ENTIRE, |heading, fix| match self.turn(fix.stamp_s, stamp_s) {
+            Some(turn) => heading.intersect(fix.heading + turn),
             None => heading,
         })
     }
@@ -168,6 +182,6 @@ impl HeadingFixes {
     /// Forgets what was learnt about the gyroscope later than `since_s`, and all later heading fixes.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         self.errors.forget_since(since_s);
-        self.fixes.retain(|(fixed_s, _)| *fixed_s <= since_s);
+        self.fixes.retain(|fix| fix.stamp_s <= since_s);
     }
 }

@@ -86,7 +86,21 @@ impl GyroHistory {
     /// `None` before the first reading has arrived. The enclosure includes the noise, but neither bias nor scale. Where the bound `gyro.angle` on
     /// the accumulated angle error is declared, the bias in this formula is the mean one of the whole run.
     pub fn sum(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
-        let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
+        self.sum_since(&mut SumSince::new(from_s), to_s, change_rad_per_s2)
+    }
+
+    /// The same as [`sum`](Self::sum) from the stamp at which `since` begins. The readings that are added are remembered in `since`, so that they are
+    /// not walked through again for a later stamp; a reading that arrives later than its successor is then left out, as one that is lost.
+    pub fn sum_since(&self, since: &mut SumSince, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
+        let mut walk = if to_s < since.done_s {
+            Walk::new(self, since.from_s, change_rad_per_s2)
+        } else {
+            Walk::after(self, since, change_rad_per_s2)
+        };
+        let sums = walk.sums_to(to_s)?;
+        if walk.done_s > since.done_s {
+            (since.done_s, since.sums) = (walk.done_s, walk.sums);
+        }
         let model = &self.model;
         let read = if model.bounds_angle() { sums.by_span(model) } else { sums.by_reading(model) };
         Some(read.inflate(sums.bend_rad * model.scale.magnitude()))
@@ -181,6 +195,22 @@ impl GyroHistory {
     }
 }
 
+/// Sum of a gyroscope's readings from a fixed stamp on; see [`GyroHistory::sum_since`].
+#[derive(Clone, Copy, Debug)]
+pub struct SumSince {
+    from_s: f64,
+    /// End of the last reading that was added as a whole.
+    done_s: f64,
+    sums: Sums,
+}
+
+impl SumSince {
+    /// The sum from a stamp on, to which no reading has been added yet.
+    pub fn new(from_s: f64) -> SumSince {
+        SumSince { from_s, done_s: from_s, sums: Sums::default() }
+    }
+}
+
 /// Nominal turn by the gyroscope from one stamp of a span to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TurnStep {
@@ -245,8 +275,14 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn new(history: &'a GyroHistory, from_s: f64, change_rad_per_s2: f64) -> Walk<'a> {
-        let next = history.readings.partition_point(|(end_s, _)| *end_s <= from_s + SAME_S);
-        Walk { history, change_rad_per_s2, from_s, done_s: from_s, next, sums: Sums::default() }
+        Walk::after(history, &SumSince::new(from_s), change_rad_per_s2)
+    }
+
+    /// The walk goes on after the readings that have been added to a sum.
+    fn after(history: &'a GyroHistory, since: &SumSince, change_rad_per_s2: f64) -> Walk<'a> {
+        let SumSince { from_s, done_s, sums } = *since;
+        let next = history.readings.partition_point(|(end_s, _)| *end_s <= done_s + SAME_S);
+        Walk { history, change_rad_per_s2, from_s, done_s, next, sums }
     }
 
     /// Sums of the gyroscope's readings up to a stamp that is not earlier than that of the previous call. They are `None` before the first reading

@@ -27,7 +27,7 @@ use crate::{
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
 pub use flow_way::FlowWay;
-pub use gyro::{GyroHistory, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
+pub use gyro::{GyroHistory, SumSince, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
 pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
