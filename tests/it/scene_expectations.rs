@@ -5,7 +5,7 @@ use crate::command::blind_scene;
 
 fn missed(expectations: &str, summary: &serde_json::Value) -> Vec<String> {
     let text = blind_scene(10.0, &format!("[expect]\n{expectations}\n"));
-    Scene::parse(&text, "scene.toml").unwrap().expect.evaluate(summary)
+    Scene::parse(&text, "scene.toml").unwrap().expect.evaluate(summary).failed
 }
 
 fn summary() -> serde_json::Value {
@@ -58,4 +58,25 @@ fn a_figure_that_was_not_measured_misses_every_limit() {
 fn a_run_without_checks_has_contained_nothing() {
     let nothing = json!({ "containment": { "checks": 0, "contained": 0 } });
     assert_eq!(missed("containment.contained_share_min = 1", &nothing).len(), 1);
+}
+
+#[test]
+fn limits_of_boxes_do_not_apply_to_a_localizer_without_boxes() {
+    // A filter states no boxes: nothing is contained, and nothing has a width. Its error is measured, and its goals are.
+    let filter = json!({
+        "containment": null,
+        "error": { "x_m": { "rmse": 0.002 } },
+        "metrics": { "goals_reached": 3.0 },
+    });
+    let expectations = "unsound = 0\nwidth.x_m.mean_max = 0.1\navailability_min = 0.9\nerror.x_m.rmse_max = 0.001\n\
+                        metrics.goals_reached_min = 3\nmetrics.collisions = 0";
+    let text = blind_scene(10.0, &format!("[expect]\n{expectations}\n"));
+    let expect = Scene::parse(&text, "scene.toml").unwrap().expect;
+    let verdict = expect.evaluate(&filter);
+    assert_eq!(verdict.not_applicable, ["availability_min = 0.9", "unsound = 0", "width.x_m.mean_max = 0.1"]);
+    // What is missed remains so: the error is too great, and collisions were not counted.
+    assert_eq!(verdict.failed.len(), 2, "{:?}", verdict.failed);
+    // Where boxes are stated, the same limits apply.
+    let stated = json!({ "containment": { "checks": 1, "contained": 1, "unsound": 0 } });
+    assert!(expect.evaluate(&stated).not_applicable.is_empty());
 }

@@ -82,10 +82,15 @@ fn a_point_is_judged_by_its_error_and_by_nothing_that_is_of_boxes() {
 }
 
 #[test]
-fn an_expectation_of_boxes_is_not_met_by_points() {
-    let scene = scene("[expect]\nunsound = 0\n");
+fn an_expectation_of_boxes_does_not_apply_to_points_but_others_do() {
+    let scene = scene("[expect]\nunsound = 0\nerror.x_m.max_max = 1e-9\n");
     let (_, verdict) = driven(&scene, &mut dead_reckoning(&scene), &|told| Box::new(dead_reckoning(told)));
-    assert!(!verdict.verdict.passed && verdict.verdict.failed[0].contains("unsound"), "{:?}", verdict.verdict.failed);
+    assert_eq!(verdict.verdict.not_applicable, ["unsound = 0"]);
+    assert!(
+        !verdict.verdict.passed && verdict.verdict.failed[0].contains("error.x_m.max"),
+        "{:?}",
+        verdict.verdict.failed
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `wherein run`: runs scenes and seeds one after another, and records each run as soon as it is done.
 
-use std::{io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
+use std::{collections::BTreeMap, io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
@@ -231,6 +231,7 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
     } else {
         let outcomes: Vec<Outcome> = recorded.iter().map(|one| one.outcome.clone()).collect();
         print(&as_text(&lines(&outcomes, true)))?;
+        print(&not_applicable(recorded))?;
         print(&format!("\nRecorded in {}\n", arguments.out.display()))?;
     }
     let mut stderr = std::io::stderr().lock();
@@ -239,6 +240,16 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
         let _ = write!(stderr, "{}", failure(arguments, one));
     }
     Ok(())
+}
+
+/// A line for each scene with expectations that do not apply to the localizer under test.
+fn not_applicable(recorded: &[Recorded]) -> String {
+    let named = recorded.iter().filter_map(|one| {
+        let names = one.summary["verdict"]["not_applicable"].as_array()?.iter().filter_map(Value::as_str);
+        Some((one.outcome.scene.as_str(), names.collect::<Vec<_>>().join(", ")))
+    });
+    let line = |(scene, names)| format!("\n{scene}: not applied, as the localizer states no boxes: {names}\n");
+    named.collect::<BTreeMap<_, _>>().into_iter().map(line).collect()
 }
 
 /// Describes a failed run: the expectations that it missed, its first failure, and the command that runs it again.

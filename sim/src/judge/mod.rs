@@ -38,7 +38,7 @@ use crate::{
     render::RenderError,
     run::{Counterfactual, RunRecord, Told},
     scene::Scene,
-    subject::{Failure, half_turn},
+    subject::half_turn,
     truth::Truth,
 };
 use claims::FalseClaims;
@@ -86,9 +86,12 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
         verdict: Passed::default(),
     };
     // A verdict consists of numbers and strings and can always be serialised; if that failed, every expectation would be reported as unmet.
-    let mut failed: Vec<String> = record.subject_failure.iter().map(Failure::to_string).collect();
-    failed.extend(scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default()));
-    verdict.verdict = Passed { passed: failed.is_empty(), failed };
+    let mut passed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
+    if let Some(failure) = &record.subject_failure {
+        passed.failed.insert(0, failure.to_string());
+        passed.passed = false;
+    }
+    verdict.verdict = passed;
     Ok(verdict)
 }
 

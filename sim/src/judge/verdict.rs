@@ -404,4 +404,7 @@ pub struct Passed {
     pub passed: bool,
     /// One line for each expectation that was not met: name, value, limit.
     pub failed: Vec<String>,
+    /// The expectations that ask for figures of boxes, of a localizer that states none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_applicable: Vec<String>,
 }
