@@ -1,5 +1,7 @@
 //! Sensor readings. Every reading carries the time at which it was measured and the time at which it reached the localizer.
 
+use std::sync::Arc;
+
 use image::GrayImage;
 
 use crate::robot::ODOMETRY_TICK_M;
@@ -26,8 +28,8 @@ pub enum Reading {
         camera: Camera,
         /// Length of the exposure.
         exposure_s: f64,
-        /// Grey levels as the sensor gave them, row-major; (0, 0) is the centre of the first pixel.
-        image: GrayImage,
+        /// Grey levels as the sensor gave them, row-major; (0, 0) is the centre of the first pixel. Copies of the reading share them.
+        image: Arc<GrayImage>,
     },
     /// Turn rate of the body by the gyroscope, averaged since the gyroscope's reading before.
     Gyro {

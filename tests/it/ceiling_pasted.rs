@@ -110,7 +110,7 @@ fn the_pose_read_from_a_rendered_ceiling_holds_the_truth() {
             arrived_s: 1.03,
             camera: Camera::Ceiling,
             exposure_s: still.exposure.exposure_s,
-            image: still.image,
+            image: still.image.into(),
         };
         let mut box_ = PoseBox::from([
             Interval::centred(x_m + 0.1, 0.3),

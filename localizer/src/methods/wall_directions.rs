@@ -324,7 +324,7 @@ impl Method for WallDirections {
         if !self.is_new_place() {
             return None;
         }
-        let picture = Picture::from(image);
+        let picture = Picture::from(&**image);
         let by_paper =
             |equalisation| forward::detect_as_printed(&picture, equalisation, |pixel| sight::ray(pixel, &self.camera));
         let mut lines = match self.chain {

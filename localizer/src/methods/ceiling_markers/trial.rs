@@ -141,8 +141,8 @@ impl Table {
         let room = Interval::new(-20.0, 20.0);
         let all = Map { room_m: [room, room], tiles: None, markers: Some(map), wall_directions_rad: Vec::new() };
         let mut method = CeilingMarkers::new(&all, &robot).expect("a camera and a marker");
-        let reading =
-            Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera: Camera::Ceiling, exposure_s: 0.002, image };
+        let (camera, image) = (Camera::Ceiling, image.into());
+        let reading = Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera, exposure_s: 0.002, image };
         let prior = PoseBox::new([room, room, Interval::centred(pose[2], 3.2)]);
         let start = Instant::now();
         let constraint = method.constrain(&reading, &Context::at_rest(&PoseUnion::single(prior))).expect("a marker");

@@ -1,5 +1,7 @@
 //! Messages that carry the localizer's starts, readings and estimates to the last bit, for replays: encoding and decoding.
 
+use std::sync::Arc;
+
 use image::GrayImage;
 use localizer::{
     Estimate, Reading, Status,
@@ -154,7 +156,7 @@ impl ImageStamp {
         if (fields.text()?, fields.u8()?, fields.u32()?) != ("mono8", 0, width) {
             return None;
         }
-        let image = GrayImage::from_raw(width, height, fields.bytes()?.to_vec())?;
+        let image = Arc::new(GrayImage::from_raw(width, height, fields.bytes()?.to_vec())?);
         let ImageStamp { measured_s, arrived_s, exposure_s, camera } = self;
         Some(Reading::Camera { measured_s, arrived_s, camera, exposure_s, image })
     }

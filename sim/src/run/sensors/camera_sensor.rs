@@ -1,6 +1,6 @@
 //! A camera over time: when it exposes, how it moves meanwhile, how it stamps images and when it delivers them.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::Arc};
 
 use image::GrayImage;
 use localizer::{
@@ -113,7 +113,8 @@ impl CameraSensor {
         let late_s = timing.latency_s + self.clock.in_turn(timing.latency_tolerance_s);
         // An image cannot be delivered before its exposure has ended.
         let arrived_s = (middle_s + late_s).max(exposed.ended_s);
-        let reading = Reading::Camera { measured_s, arrived_s, camera: self.camera.name, exposure_s, image };
+        let (camera, image) = (self.camera.name, Arc::new(image));
+        let reading = Reading::Camera { measured_s, arrived_s, camera, exposure_s, image };
         let check = |bound| BoundCheck {
             bound,
             span_s: [middle_s, arrived_s],

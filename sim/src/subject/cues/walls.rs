@@ -128,7 +128,7 @@ impl Walls {
 
     pub(crate) fn look(&self, reading: &Reading, twist: &Twist) -> Option<Seen> {
         let Reading::Camera { camera: Camera::Forward, image, .. } = reading else { return None };
-        let lines = forward::detect(&Picture::from(image));
+        let lines = forward::detect(&Picture::from(&**image));
         Some(Seen::Edges(lines.iter().filter_map(|line| self.edge(line, twist)).collect()))
     }
 

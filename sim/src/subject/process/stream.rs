@@ -103,7 +103,7 @@ mod tests {
             arrived_s: 1.5,
             camera: Camera::Ceiling,
             exposure_s: 0.01,
-            image: GrayImage::from_fn(3, 2, |x, y| Luma([(10 * y + x) as u8])),
+            image: GrayImage::from_fn(3, 2, |x, y| Luma([(10 * y + x) as u8])).into(),
         }
     }
 

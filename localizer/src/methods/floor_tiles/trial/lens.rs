@@ -92,7 +92,8 @@ fn trial(name: &str, eye: &Eye, robot: &RobotModel, chain: Chain, frames: usize)
 }
 
 fn floor_reading(image: GrayImage) -> Reading {
-    Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera: Camera::Floor, exposure_s: 0.0, image }
+    let (camera, image) = (Camera::Floor, image.into());
+    Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera, exposure_s: 0.0, image }
 }
 
 /// Lens coefficients with the first of them changed so that a corner of the image is `off_px` pixels farther out: f·Δk1·1.54³.
