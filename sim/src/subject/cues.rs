@@ -7,6 +7,7 @@
 //! [`Mount`].
 
 mod ceiling;
+mod compared;
 mod floor;
 mod motion;
 mod position;
@@ -24,6 +25,7 @@ use position::Receiver;
 use range::Range;
 use walls::Walls;
 
+pub use compared::{Compared, Cue, CueReader};
 pub(crate) use floor::Joint;
 pub(crate) use motion::{Step, Steps};
 pub(crate) use walls::{Edge, heading_of};

@@ -3,11 +3,13 @@
 mod cues;
 mod extended_kalman_filter;
 mod failure;
+mod foreign_answer;
 mod interval_localizer;
 mod particle_filter;
 mod process;
 mod registry;
 mod stated;
+mod stepped;
 mod told;
 
 use interval::Interval;
@@ -19,14 +21,17 @@ use localizer::{
 
 use crate::scene::Scene;
 
+pub use cues::{Compared, Cue, CueReader};
 pub use extended_kalman_filter::{ExtendedKalmanFilter, Tuning};
 pub use failure::{Failure, GivenReading};
+pub use foreign_answer::{ForeignAnswer, turned_to};
 pub use interval_localizer::IntervalLocalizer;
 pub use particle_filter::ParticleFilter;
-pub use process::ForeignProcess;
+pub use process::{ForeignProcess, device, told};
 pub use registry::{Added, SubjectChoice, USUAL_LIMIT, add_subject, subject};
 pub(crate) use stated::half_turn;
 pub use stated::{SHARES, Spread, Stated, chi_squared};
+pub use stepped::{Step, Stepped, Steps, stepped};
 
 /// A localizer under test. It learns about the world through its readings alone. What it may know beforehand, a map and the robot's nominal
 /// dimensions, it takes from [`Scene::map`] and [`Scene::robot_model`] when it is created.

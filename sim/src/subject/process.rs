@@ -25,11 +25,18 @@ use localizer::{Pose, PoseBox, Reading};
 
 use crate::scene::Scene;
 
-use super::{Answer, Failure, GivenReading, Subject};
+use super::{Answer, Failure, GivenReading, Subject, foreign_answer::turned_to};
 
 use child::Running;
-use messages::{Message, Setup, device};
+pub use messages::device;
+use messages::{Message, Setup};
 use stream::Stream;
+
+/// What a localizer is told about a scene beforehand, as JSON: `protocol`, `map` and `robot`.
+pub fn told(scene: &Scene) -> serde_json::Value {
+    // The parts are JSON already.
+    serde_json::to_value(Setup::of(scene)).unwrap_or_default()
+}
 
 /// A process under test. Each answer is asked for and awaited, so that a run does not depend on how fast the process is.
 pub struct ForeignProcess {
@@ -114,7 +121,7 @@ impl Talk {
         let unsent = |error| format!("it cannot be sent a message: {error}");
         self.stream.put(&Message::ask(time_s)).map_err(unsent)?;
         let line = self.running.line(limit)?;
-        let answer = answer::turned_to(answer::read(&line, time_s)?, self.heading_rad);
+        let answer = turned_to(answer::read(&line, time_s)?, self.heading_rad);
         let middle = answer.clone().into_estimate(time_s).pose.hull()[2].mid();
         if middle.is_finite() {
             self.heading_rad = middle;

@@ -3,7 +3,7 @@
 use std::{
     fmt,
     str::FromStr,
-    sync::{PoisonError, RwLock},
+    sync::{Arc, PoisonError, RwLock},
     time::Duration,
 };
 
@@ -18,10 +18,12 @@ use super::{
 pub const USUAL_LIMIT: Duration = Duration::from_secs(30);
 
 /// A localizer that a program has added to the built-in ones.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 pub struct Added {
-    name: &'static str,
-    create: fn(&Scene) -> Box<dyn Subject>,
+    name: String,
+    create: Arc<dyn Fn(&Scene) -> Box<dyn Subject> + Send + Sync>,
+    /// Whether it may have changed although the program is the same.
+    may_have_changed: bool,
 }
 
 /// The added localizers, in the order in which they were added.
@@ -32,12 +34,30 @@ static ADDED: RwLock<Vec<Added>> = RwLock::new(Vec::new());
 /// that was added last is meant.
 pub fn add_subject(name: &'static str, create: fn(&Scene) -> Box<dyn Subject>) {
     // A thread that panics leaves the list complete.
-    ADDED.write().unwrap_or_else(PoisonError::into_inner).push(Added { name, create });
+    ADDED.write().unwrap_or_else(PoisonError::into_inner).push(Added {
+        name: name.to_owned(),
+        create: Arc::new(create),
+        may_have_changed: false,
+    });
+}
+
+impl Added {
+    /// A localizer by a function that its user may change from one run of the program to the next, such as one in a scripting language. It need not be
+    /// added for a run to test it.
+    pub fn of_user(name: String, create: impl Fn(&Scene) -> Box<dyn Subject> + Send + Sync + 'static) -> Added {
+        Added { name, create: Arc::new(create), may_have_changed: true }
+    }
+}
+
+impl fmt::Debug for Added {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Added").field(&self.name).finish()
+    }
 }
 
 /// The added localizer of a name.
 fn added(name: &str) -> Option<Added> {
-    ADDED.read().unwrap_or_else(PoisonError::into_inner).iter().rev().find(|added| added.name == name).copied()
+    ADDED.read().unwrap_or_else(PoisonError::into_inner).iter().rev().find(|added| added.name == name).cloned()
 }
 
 /// Two added localizers are the same if they have the same name.
@@ -89,7 +109,7 @@ pub fn subject(choice: &SubjectChoice, scene: &Scene) -> Box<dyn Subject> {
 impl SubjectChoice {
     /// Whether the localizer may have changed since it was tested, although this program is the same and the scene is: a command may start anything.
     pub fn may_have_changed(&self) -> bool {
-        matches!(self, SubjectChoice::Command { .. })
+        matches!(self, SubjectChoice::Command { .. } | SubjectChoice::Added(Added { may_have_changed: true, .. }))
     }
 }
 
@@ -99,7 +119,7 @@ impl fmt::Display for SubjectChoice {
             SubjectChoice::Intervals => f.write_str(NAMES[0]),
             SubjectChoice::ExtendedKalmanFilter(tuning) => write!(f, "{}{tuning}", NAMES[1]),
             SubjectChoice::ParticleFilter(tuning) => write!(f, "{}{tuning}", NAMES[2]),
-            SubjectChoice::Added(added) => f.write_str(added.name),
+            SubjectChoice::Added(added) => f.write_str(&added.name),
             SubjectChoice::Command { command, .. } => f.write_str(command),
         }
     }
@@ -126,7 +146,7 @@ impl FromStr for SubjectChoice {
             "intervals" if factors.is_empty() => Ok(SubjectChoice::Intervals),
             _ => {
                 let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
-                let names: Vec<&str> = NAMES.into_iter().chain(added.iter().map(|added| added.name)).collect();
+                let names: Vec<&str> = NAMES.into_iter().chain(added.iter().map(|added| added.name.as_str())).collect();
                 Err(format!(
                     "no such localizer, expected one of {}, or a command with a blank or a slash",
                     names.join(", ")

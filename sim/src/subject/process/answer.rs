@@ -1,20 +1,12 @@
-//! The answers that a process under test writes, one line of JSON each: reading and checking them.
+//! The answers that a process under test writes, one line of JSON each.
 
-use std::f64::consts::TAU;
-
-use interval::Interval;
-use localizer::{Assumption, Estimate, Pose, PoseBox, PoseUnion, Status, bounds};
-use nalgebra::Matrix3;
 use serde::Deserialize;
 
-use crate::subject::{Answer, GaussianPose, WeightedPose};
+use crate::subject::{Answer, foreign_answer::ForeignAnswer};
 
 /// Greatest difference between the time that an answer names and the time for which it was asked: far less than the millisecond by which times of the
 /// simulation differ, and more than any printing of decimals loses.
 const SAME_S: f64 = 1e-6;
-/// Greatest difference between two entries of a covariance that must be equal, and greatest negative eigenvalue, as a share of its greatest entry.
-/// Arithmetic with f32 in a filter leaves errors of some 1e-7.
-const COVARIANCE_ROUNDING: f64 = 1e-6;
 /// Number of characters of a line that a message about it shows.
 const SHOWN: usize = 80;
 
@@ -47,50 +39,31 @@ pub(super) fn read(line: &[u8], time_s: f64) -> Result<Answer, String> {
         let when = if line.time_s > time_s { "the future" } else { "the past" };
         return Err(format!("it answered for {when}: `time_s` is {}, expected {time_s} as asked", line.time_s));
     }
-    match line {
+    let answer = match line {
         Line { mean: Some(mean), covariance: Some(covariance), samples: None, boxes: None, pose: None, .. } => {
-            checked(covariance)?;
-            Ok(Answer::Gaussian(GaussianPose { mean: pose(mean), covariance }))
+            ForeignAnswer::Gaussian { mean, covariance }
         }
         Line { samples: Some(samples), mean: None, covariance: None, boxes: None, pose: None, .. } => {
-            weighted(&samples).map(Answer::Samples)
+            ForeignAnswer::Samples(samples)
         }
-        Line { boxes: Some(boxes), status, relies_on, mean: None, covariance: None, samples: None, pose: None, .. } => {
-            let status = match status.unwrap_or(BoxStatus::Sound) {
-                BoxStatus::Sound => Status::Sound,
-                BoxStatus::Recovering => Status::Recovering,
-            };
-            let (pose, relies_on) = (union(&boxes)?, known(relies_on)?);
-            Ok(Answer::Boxes(Estimate { time_s, pose, status, relies_on, contradicting: None }))
+        Line {
+            boxes: Some(boxes), status, relies_on, mean: None, covariance: None, samples: None, pose: None, ..
+        } => {
+            let is_recovering = matches!(status, Some(BoxStatus::Recovering));
+            ForeignAnswer::Boxes { boxes, is_recovering, relies_on }
         }
-        Line { pose: Some(at), mean: None, covariance: None, samples: None, boxes: None, .. } => {
-            Ok(Answer::Point(pose(at)))
+        Line { pose: Some(pose), mean: None, covariance: None, samples: None, boxes: None, .. } => {
+            ForeignAnswer::Point(pose)
         }
-        _ => Err("it wrote an answer of no kind or of two, expected `time_s` and one of `mean` with `covariance`, `samples`, \
-                  `boxes`, `pose`"
-            .to_owned()),
-    }
-}
-
-/// The answer with every heading moved by whole turns to where it is nearest to `heading_rad`. Headings in the simulation count turns, while a process
-/// may wrap its headings.
-pub(super) fn turned_to(answer: Answer, heading_rad: f64) -> Answer {
-    let off_rad = |at_rad: f64| TAU * ((heading_rad - at_rad) / TAU).round();
-    let turned = |pose: Pose| Pose { heading_rad: pose.heading_rad + off_rad(pose.heading_rad), ..pose };
-    match answer {
-        Answer::Point(pose) => Answer::Point(turned(pose)),
-        Answer::Gaussian(gaussian) => Answer::Gaussian(GaussianPose { mean: turned(gaussian.mean), ..gaussian }),
-        Answer::Samples(samples) => {
-            let turned = |sample: WeightedPose| WeightedPose { pose: turned(sample.pose), ..sample };
-            Answer::Samples(samples.into_iter().map(turned).collect())
+        _ => {
+            return Err(
+                "it wrote an answer of no kind or of two, expected `time_s` and one of `mean` with `covariance`, \
+                        `samples`, `boxes`, `pose`"
+                    .to_owned(),
+            );
         }
-        Answer::Boxes(mut estimate) => {
-            for branch in &mut estimate.pose.branches {
-                branch[2] = branch[2] + Interval::point(off_rad(branch[2].mid()));
-            }
-            Answer::Boxes(estimate)
-        }
-    }
+    };
+    answer.checked(time_s).map_err(|reason| format!("it answered with {reason}"))
 }
 
 /// What is wrong with a line that does not have the form of an answer.
@@ -109,73 +82,19 @@ fn refusal(line: &[u8], error: &serde_json::Error) -> String {
     format!("it wrote `{shown}`, expected an answer in JSON: {error}")
 }
 
-fn pose([x_m, y_m, heading_rad]: [f64; 3]) -> Pose {
-    Pose { x_m, y_m, heading_rad }
-}
-
-/// Checks that a matrix can be a covariance: symmetric, and with no direction along which the variance is negative.
-fn checked(covariance: [[f64; 3]; 3]) -> Result<(), String> {
-    let matrix = Matrix3::from_fn(|row, column| covariance[row][column]);
-    let rounding = COVARIANCE_ROUNDING * matrix.amax();
-    if (matrix - matrix.transpose()).amax() > rounding {
-        return Err(format!("it answered with a `covariance` that is not symmetric: {covariance:?}"));
-    }
-    let least = matrix.symmetric_eigenvalues().min();
-    if least.is_nan() || least < -rounding {
-        return Err(format!(
-            "it answered with a `covariance` that has the negative eigenvalue {least:e}, expected none: {covariance:?}"
-        ));
-    }
-    Ok(())
-}
-
-fn weighted(samples: &[[f64; 4]]) -> Result<Vec<WeightedPose>, String> {
-    if samples.is_empty() {
-        return Err("it answered with no `samples`, expected at least one".to_owned());
-    }
-    let weights = || samples.iter().map(|sample| sample[3]);
-    if let Some(weight) = weights().find(|weight| *weight < 0.0) {
-        return Err(format!("it answered with `samples` of which one has the weight {weight}, expected at least 0"));
-    }
-    let total: f64 = weights().sum();
-    if !(total > 0.0 && total.is_finite()) {
-        return Err(format!(
-            "it answered with {} `samples` whose weights add up to {total}, expected more than 0",
-            samples.len()
-        ));
-    }
-    let sample = |[x_m, y_m, heading_rad, weight]: &[f64; 4]| WeightedPose {
-        pose: pose([*x_m, *y_m, *heading_rad]),
-        weight: *weight,
-    };
-    Ok(samples.iter().map(sample).collect())
-}
-
-fn union(boxes: &[[[f64; 2]; 3]]) -> Result<PoseUnion, String> {
-    if boxes.is_empty() {
-        return Err("it answered with no `boxes`, expected at least one".to_owned());
-    }
-    if let Some([low, high]) = boxes.iter().flatten().find(|[low, high]| low > high) {
-        return Err(format!(
-            "it answered with `boxes` of which one has the side [{low}, {high}], expected [least, greatest]"
-        ));
-    }
-    let side = |[low, high]: [f64; 2]| Interval::new(low, high);
-    Ok(PoseUnion { branches: boxes.iter().map(|sides| PoseBox::from(sides.map(side))).collect() })
-}
-
-/// The declared bounds of these names. Boxes that name none rely on all of them.
-fn known(names: Option<Vec<String>>) -> Result<Vec<Assumption>, String> {
-    let Some(names) = names else { return Ok(bounds::ALL.iter().map(|bound| bound.name).collect()) };
-    let of_name = |name: &String| bounds::ALL.iter().map(|bound| bound.name).find(|known| known == name);
-    let unknown = |name: &String| format!("it answered with `relies_on` that names `{name}`, expected declared bounds");
-    names.iter().map(|name| of_name(name).ok_or_else(|| unknown(name))).collect()
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::f64::consts::TAU;
+
+    use localizer::{Pose, Status, bounds};
+
     use super::*;
+    use crate::subject::{GaussianPose, WeightedPose, foreign_answer::turned_to};
+
+    fn pose([x_m, y_m, heading_rad]: [f64; 3]) -> Pose {
+        Pose { x_m, y_m, heading_rad }
+    }
 
     fn answer(rest: &str) -> Result<Answer, String> {
         read(format!("{{\"time_s\": 1.25, {rest}}}\n").as_bytes(), 1.25)

@@ -242,7 +242,7 @@ fn stamped<'a>(topic: Topic, reading: &Reading, payload: impl Serialize) -> Mess
 }
 
 /// Name of the device that made a reading, as its bounds have it.
-pub(super) fn device(reading: &Reading) -> &str {
+pub fn device(reading: &Reading) -> &str {
     match reading {
         Reading::Wheels { .. } => "wheels",
         Reading::Camera { camera, .. } => Camera::device(*camera),

@@ -1,0 +1,182 @@
+//! What readings say about a pose, ready for a filter of one's own: residuals, derivatives and noise, without the filter.
+
+use std::sync::Arc;
+
+use localizer::{Reading, RobotModel, map::TileGrid};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
+
+use crate::{scene::Scene, subject::half_turn};
+
+use super::{Cues, Edge, Joint, Mount, Mounted, Seen, Told, heading_of, turned};
+
+/// Standard deviations of a predicted place of a joint that half the distance between joints must hold for the nearest joint to be taken for the one
+/// that is seen: with fewer, a filter may follow the wrong tile for ever.
+const UNAMBIGUOUS_SIGMAS: f64 = 3.0;
+/// Derivatives of the heading by x, y and heading.
+const TURN: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Reads cues from the readings of a robot, with the vision that the built-in filters have, too.
+pub struct CueReader {
+    cues: Cues,
+    robot: RobotModel,
+    known: Arc<Known>,
+}
+
+/// What is known beforehand that cues are compared with.
+struct Known {
+    tiles: Option<TileGrid>,
+    wall_directions_rad: Vec<f64>,
+}
+
+/// One thing that a reading says about the pose.
+#[derive(Clone)]
+pub struct Cue {
+    /// Stamp of the reading.
+    pub measured_s: f64,
+    what: What,
+    mount: Mount,
+    known: Arc<Known>,
+}
+
+#[derive(Clone)]
+enum What {
+    Markers { pose: [f64; 3], covariance: Matrix3<f64> },
+    Joint(Joint),
+    Walls(Vec<Edge>),
+    Landmark { code: u32, in_robot_m: Vector2<f64>, covariance: Matrix2<f64> },
+    Position { in_robot_m: [f64; 2], in_world_m: [f64; 2], sigma_m: f64 },
+}
+
+/// A cue compared with a pose, for `n` numbers that it measures.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// Measured less predicted.
+    pub residual: DVector<f64>,
+    /// Derivatives of the predicted numbers by x, y and heading, n × 3.
+    pub jacobian: DMatrix<f64>,
+    /// Covariance of the measured numbers, n × n, with the errors of the device's mount in it.
+    pub noise: DMatrix<f64>,
+}
+
+impl CueReader {
+    /// A reader for a scene, with the map, robot and bounds that it states.
+    pub fn of(scene: &Scene) -> CueReader {
+        let (map, robot) = (scene.map(), scene.robot_model());
+        let cues = Cues::new(scene, &map, &robot);
+        let wall_directions_rad = cues.wall_directions_rad().to_vec();
+        let known = Arc::new(Known { tiles: cues.tiles().cloned(), wall_directions_rad });
+        CueReader { cues, robot, known }
+    }
+
+    /// Begins a drive anew.
+    pub fn restart(&mut self) {
+        self.cues.restart(&self.robot);
+    }
+
+    /// Takes in a reading and returns its cues. Readings of wheels and gyroscope have none, but the reader needs them to know how the robot moves.
+    pub fn read(&mut self, reading: &Reading) -> Vec<Cue> {
+        let Some(Told::Seen(measured_s, mounted, seen)) = self.cues.take(reading) else { return Vec::new() };
+        let mount = self.cues.mount(mounted).unwrap_or(Mount { sigma: [0.0; 3] });
+        let cue = |what| Cue { measured_s, what, mount, known: Arc::clone(&self.known) };
+        match seen {
+            Seen::Pose { pose, covariance } => vec![cue(What::Markers { pose, covariance })],
+            Seen::Joints(joints) => joints.into_iter().map(|joint| cue(What::Joint(joint))).collect(),
+            Seen::Edges(edges) => vec![cue(What::Walls(edges))],
+            Seen::Landmarks(landmarks) => {
+                let landmark = |(code, in_robot_m, covariance)| cue(What::Landmark { code, in_robot_m, covariance });
+                landmarks.into_iter().map(landmark).collect()
+            }
+            Seen::Position { in_robot_m, in_world_m, sigma_m } => {
+                vec![cue(What::Position { in_robot_m, in_world_m, sigma_m })]
+            }
+        }
+    }
+
+    /// Whether a device of the robot gives cues.
+    pub fn has_cues(&self) -> bool {
+        Mounted::ALL.into_iter().any(|mounted| self.cues.mount(mounted).is_some())
+    }
+}
+
+impl Cue {
+    /// What the cue is: `markers`, `joint`, `walls`, `landmark` or `position`.
+    pub fn kind(&self) -> &'static str {
+        match self.what {
+            What::Markers { .. } => "markers",
+            What::Joint(_) => "joint",
+            What::Walls(_) => "walls",
+            What::Landmark { .. } => "landmark",
+            What::Position { .. } => "position",
+        }
+    }
+
+    /// Code, place in the robot frame in metres, and covariance in m² of a landmark that no map gives; `None` for every other cue.
+    pub fn landmark(&self) -> Option<(u32, Vector2<f64>, Matrix2<f64>)> {
+        match &self.what {
+            What::Landmark { code, in_robot_m, covariance } => Some((*code, *in_robot_m, *covariance)),
+            _ => None,
+        }
+    }
+
+    /// Compares the cue with a predicted pose (x, y, heading) of a given covariance. `None` where the cue does not apply: a joint that may as well be
+    /// another one, edges that do not agree on a heading, a landmark, which no map gives.
+    pub fn compare(&self, pose: [f64; 3], covariance: &Matrix3<f64>) -> Option<Compared> {
+        let [forward_m, left_m, yaw_rad] = self.mount.sigma;
+        let [x_m, y_m, heading_rad] = pose;
+        let (sin, cos) = heading_rad.sin_cos();
+        // Covariance of x and y by the mount's position, which turns with the robot.
+        let by_mount = |a: [f64; 2], b: [f64; 2]| {
+            let along = |v: [f64; 2]| [cos * v[0] + sin * v[1], cos * v[1] - sin * v[0]];
+            let (a, b) = (along(a), along(b));
+            a[0] * b[0] * forward_m.powi(2) + a[1] * b[1] * left_m.powi(2)
+        };
+        let (east, north) = ([1.0, 0.0], [0.0, 1.0]);
+        match &self.what {
+            What::Markers { pose: seen, covariance: of_dots } => {
+                let [ee, en, nn] = [by_mount(east, east), by_mount(east, north), by_mount(north, north)];
+                let mounted = Matrix3::new(ee, en, 0.0, en, nn, 0.0, 0.0, 0.0, yaw_rad.powi(2));
+                let residual = Vector3::new(seen[0] - x_m, seen[1] - y_m, half_turn(seen[2] - heading_rad));
+                let noise = of_dots + mounted;
+                Some(Compared::new(residual.as_slice(), &[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], TURN], noise.as_slice()))
+            }
+            What::Joint(joint) => {
+                let agreement = joint.agreement(pose, self.known.tiles.as_ref()?);
+                let row = [agreement.along[0], agreement.along[1], 0.0];
+                let off_m2 = joint.sigma[1].powi(2) + by_mount(agreement.along, agreement.along);
+                let variance = Vector3::from(row).dot(&(covariance * Vector3::from(row)));
+                if UNAMBIGUOUS_SIGMAS * (variance + off_m2).sqrt() > agreement.half_edge_m {
+                    return None;
+                }
+                let turn_rad2 = joint.sigma[0].powi(2) + yaw_rad.powi(2);
+                let noise = [turn_rad2, 0.0, 0.0, off_m2];
+                Some(Compared::new(&[agreement.turn_rad, agreement.off_m], &[TURN, row], &noise))
+            }
+            What::Walls(edges) => {
+                let sigma_rad = covariance[(2, 2)].max(0.0).sqrt().hypot(yaw_rad);
+                let (off_rad, noise_rad2) = heading_of(edges, &self.known.wall_directions_rad, heading_rad, sigma_rad)?;
+                Some(Compared::new(&[off_rad], &[TURN], &[noise_rad2 + yaw_rad.powi(2)]))
+            }
+            What::Landmark { .. } => None,
+            What::Position { in_robot_m, in_world_m, sigma_m } => {
+                let arm = turned(*in_robot_m, heading_rad);
+                let residual = [in_world_m[0] - x_m - arm[0], in_world_m[1] - y_m - arm[1]];
+                let rows = [[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]]];
+                let (own_m2, across_m2) = (sigma_m.powi(2), by_mount(east, north));
+                let noise = [own_m2 + by_mount(east, east), across_m2, across_m2, own_m2 + by_mount(north, north)];
+                Some(Compared::new(&residual, &rows, &noise))
+            }
+        }
+    }
+}
+
+impl Compared {
+    /// `rows` has one row for each number, with its derivatives by x, y and heading.
+    fn new(residual: &[f64], rows: &[[f64; 3]], noise: &[f64]) -> Compared {
+        let n = residual.len();
+        Compared {
+            residual: DVector::from_column_slice(residual),
+            jacobian: DMatrix::from_fn(n, 3, |row, column| rows[row][column]),
+            noise: DMatrix::from_column_slice(n, n, noise),
+        }
+    }
+}

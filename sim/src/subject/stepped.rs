@@ -1,0 +1,122 @@
+//! A subject whose answers are given from another thread, step by step: the closed loop turned inside out, for a loop outside of this program that
+//! asks for one step after the other.
+
+use std::{
+    cell::{OnceCell, RefCell},
+    sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
+    time::Duration,
+};
+
+use localizer::{Pose, PoseBox, Reading};
+
+use super::{Answer, Failure, GivenReading, Subject, foreign_answer::turned_to, process::device};
+
+/// One question of a run: where is the robot at this time?
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Time for which to answer, since the start of the present drive.
+    pub time_s: f64,
+    /// Box of poses in which a drive starts, if one starts with this step.
+    pub start: Option<PoseBox>,
+    /// Readings that have arrived since the question before, in the order of their arrival.
+    pub readings: Vec<Reading>,
+}
+
+/// The side of the run: a subject that hands on its readings with every question, and waits for the answer.
+pub struct Stepped {
+    name: String,
+    asks: SyncSender<Step>,
+    answers: Receiver<Answer>,
+    next: RefCell<Next>,
+    /// Number of readings given, and the newest of them.
+    given: (usize, Option<GivenReading>),
+    failure: OnceCell<Failure>,
+}
+
+/// What the next question will hold, and the answer to the one before.
+struct Next {
+    start: Option<PoseBox>,
+    readings: Vec<Reading>,
+    /// The latest answer with its time, unless a reading has come since.
+    latest: Option<(f64, Answer)>,
+    /// Heading near which the next answer's headings are taken: that of the answer before, or the middle of the start box.
+    heading_rad: f64,
+}
+
+/// The side of the loop: takes one step after the other and answers each.
+pub struct Steps {
+    asked: Receiver<Step>,
+    answers: SyncSender<Answer>,
+}
+
+/// Makes the two sides of a subject that is asked in one thread and answered in another; `name` is what results call it.
+pub fn stepped(name: String) -> (Stepped, Steps) {
+    let (asks, asked) = sync_channel(1);
+    let (answers, answered) = sync_channel(1);
+    let next = Next { start: None, readings: Vec::new(), latest: None, heading_rad: 0.0 };
+    let (next, given, failure) = (RefCell::new(next), (0, None), OnceCell::new());
+    (Stepped { name, asks, answers: answered, next, given, failure }, Steps { asked, answers })
+}
+
+impl Steps {
+    /// Waits for the next step; `None` where the run has ended. The error says that `limit` has passed first.
+    pub fn next_within(&self, limit: Duration) -> Result<Option<Step>, RecvTimeoutError> {
+        match self.asked.recv_timeout(limit) {
+            Ok(step) => Ok(Some(step)),
+            Err(RecvTimeoutError::Disconnected) => Ok(None),
+            Err(timeout) => Err(timeout),
+        }
+    }
+
+    /// Answers the latest step; each step has exactly one answer. An answer after the end of the run is dropped.
+    pub fn answer(&self, answer: Answer) {
+        let _ = self.answers.send(answer);
+    }
+}
+
+impl Subject for Stepped {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn start(&mut self, start: &PoseBox) {
+        *self.next.get_mut() =
+            Next { start: Some(*start), readings: Vec::new(), latest: None, heading_rad: start[2].mid() };
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        let (number, measured_s, arrived_s) = (self.given.0 + 1, reading.measured_s(), reading.arrived_s());
+        let device = device(reading).to_owned();
+        self.given = (number, Some(GivenReading { number, device, measured_s, arrived_s }));
+        let next = self.next.get_mut();
+        next.readings.push(reading.clone());
+        next.latest = None;
+    }
+
+    fn estimate_at(&self, time_s: f64) -> Answer {
+        let mut next = self.next.borrow_mut();
+        if let Some((at_s, answer)) = &next.latest
+            && *at_s == time_s
+        {
+            return answer.clone();
+        }
+        let step = Step { time_s, start: next.start.take(), readings: std::mem::take(&mut next.readings) };
+        let answer = self.asks.send(step).ok().and_then(|()| self.answers.recv().ok());
+        let Some(answer) = answer else {
+            let reason = "the loop that answers was left".to_owned();
+            self.failure.get_or_init(|| Failure { time_s, reading: self.given.1.clone(), reason });
+            return Answer::Point(Pose::default());
+        };
+        let answer = turned_to(answer, next.heading_rad);
+        let middle_rad = answer.clone().into_estimate(time_s).pose.hull()[2].mid();
+        if middle_rad.is_finite() {
+            next.heading_rad = middle_rad;
+        }
+        next.latest = Some((time_s, answer.clone()));
+        answer
+    }
+
+    fn failure(&self) -> Option<&Failure> {
+        self.failure.get()
+    }
+}
