@@ -2,6 +2,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`judged_run`] | one run with all that its verdict needs |
 //! | [`sweep`] | runs every combination of some keys' values with several seeds, and continues where it was stopped |
 //! | [`falsify`] | runs random scenes and reduces each one that fails to a small scene |
 //! | [`weaken`] | gives the localizer ever narrower bounds until it loses the truth |
@@ -11,6 +12,7 @@
 //! | [`comparison`] | compares two sets of cases |
 //! | [`junit`] | writes cases as JUnit XML for CI systems |
 
+pub mod judged_run;
 pub mod sweep;
 pub mod falsify;
 pub mod weaken;

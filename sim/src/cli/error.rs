@@ -5,8 +5,6 @@ use std::{
     path::PathBuf,
 };
 
-use miette::{GraphicalReportHandler, GraphicalTheme};
-
 use crate::{
     artefacts::{recording::LiveError, replay::ReplayError, run_files::RecordError},
     campaign::{comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError},
@@ -89,15 +87,7 @@ impl CommandError {
         else {
             return;
         };
-        let theme =
-            if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-        let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
-        let mut snippet = String::new();
-        // The library's report on a mistake in a scene begins with the error message, which is printed already; only the lines after it, which show
-        // the place in the file, are printed here.
-        if handler.render_report(&mut snippet, scene).is_ok()
-            && let Some((_, place)) = snippet.split_once('\n')
-        {
+        if let Some(place) = scene.place(io::stderr().is_terminal()) {
             let _ = writeln!(io::stderr(), "{place}");
         }
     }

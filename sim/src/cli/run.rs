@@ -15,15 +15,13 @@ use crate::{
     },
     campaign::{
         cases::{CaseResult, Results, program, quoted, subject_option},
+        judged_run::{Progress, run_judged},
         report::Overview,
         sweep,
     },
-    judge::judge,
     loading::SceneFile,
     render::Renderer,
-    run::{FramesPolicy, RunOptions, run_otherwise, run_witnessed},
-    scene::Scene,
-    subject::subject,
+    run::{FramesPolicy, RunOptions},
 };
 
 use super::{
@@ -138,39 +136,24 @@ fn run_one(
     live: Option<&LiveServer>,
     bar: &ProgressBar,
 ) -> Result<Recorded, CommandError> {
-    let start = bar.position();
-    let mut renderer = renderer.filter(|_| file.scene.has_camera());
+    let mut start = bar.position();
+    let renderer = renderer.filter(|_| file.scene.has_camera());
     let options = RunOptions { keep_images: arguments.frames };
-    let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
+    let mut progress = |progress| match progress {
+        Progress::At { simulated_s } => bar.set_position(start + milliseconds(simulated_s)),
+        Progress::Again { number, lasts_s } => {
+            bar.set_message(format!("{} seed {seed}: whose fault? replay {number}", file.name));
+            start = bar.position();
+            bar.inc_length(milliseconds(lasts_s));
+        }
+        Progress::Ended { lasts_s } => bar.set_position(start + milliseconds(lasts_s)),
+    };
     let choice = arguments.tested.choice();
-    let mut tested = subject(&choice, &file.scene);
-    let run_record = run_witnessed(
-        &file.scene,
-        seed,
-        &mut *tested,
-        renderer.as_deref_mut(),
-        &options,
-        &mut witnesses,
-        &mut progress,
-    )?;
+    let (run_record, verdict) =
+        run_judged(&file.scene, seed, &choice, &options, renderer, &mut witnesses, &mut progress)?;
     let (recording, _) = witnesses;
-    bar.set_position(start + milliseconds(file.scene.simulated_s()));
-    let mut n_replays = 0;
-    let verdict = judge(&file.scene, &run_record, &mut |asked| {
-        // To find the cause of a loss of the truth, the run is replayed under changed conditions. Each replay takes as long as the run up to the last
-        // loss that it has to explain.
-        n_replays += 1;
-        bar.set_message(format!("{} seed {seed}: whose fault? replay {n_replays}", file.name));
-        let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
-        bar.inc_length(milliseconds(lasts_s));
-        let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
-        let subject_of = &|told: &Scene| subject(&choice, told);
-        let again = run_otherwise(&file.scene, &run_record, asked, subject_of, renderer.as_deref_mut(), &mut progress);
-        bar.set_position(start + milliseconds(lasts_s));
-        again
-    })?;
     let folder = run_files::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
 }

@@ -11,11 +11,10 @@ use std::{
 };
 
 use crate::{
-    judge::judge,
+    campaign::judged_run::run_judged,
     render::Renderer,
-    run::{FramesPolicy, RunOptions, run, run_otherwise},
-    scene::Scene,
-    subject::{SubjectChoice, subject},
+    run::{FramesPolicy, RunOptions},
+    subject::SubjectChoice,
 };
 
 use super::{Case, Store, SweepError};
@@ -107,13 +106,7 @@ fn run_case(
     let options = RunOptions { keep_images: frames };
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
-        let record = run(scene, case.planned.seed, &mut *subject(choice, scene), used, &options, &mut |_| {})?;
-        let verdict = judge(scene, &record, &mut |asked| {
-            let used = renderer.as_mut().filter(|_| scene.has_camera());
-            let subject_of = |told: &Scene| subject(choice, told);
-            run_otherwise(scene, &record, asked, &subject_of, used, &mut |_| {})
-        })?;
-        Ok::<_, SweepError>((record, verdict))
+        Ok::<_, SweepError>(run_judged(scene, case.planned.seed, choice, &options, used, &mut (), &mut |_| {})?)
     }));
     match attempt {
         Ok(outcome) => {
