@@ -31,6 +31,11 @@ pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Opti
     Some(figure::draw(file, record, image, &Seen::of(file, image.reading.as_ref()?)?))
 }
 
+/// Draws the map of a run: where the robot drove in truth, and where the localizer under test said that it was.
+pub fn drive_map(file: &SceneFile, record: &RunRecord) -> RgbImage {
+    errand_map::draw(file, record, true)
+}
+
 /// Writes the debug frames of every reading that the run's `record` has kept: `image_*.png`, the image as the camera gave it, and `figure_*.png`, the
 /// image beside a map. Returns the number of these readings.
 pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<usize, RecordError> {
@@ -49,7 +54,7 @@ pub(crate) fn write_errands(folder: &Path, file: &SceneFile, record: &RunRecord)
         return Ok(());
     }
     let path = folder.join("errands.png");
-    naming("write", &path, errand_map::draw(file, record).save(&path).map_err(std::io::Error::other))
+    naming("write", &path, errand_map::draw(file, record, false).save(&path).map_err(std::io::Error::other))
 }
 
 /// Writes the debug frames (`image_*.png` and `figure_*.png`) of the reading after which the localizer's box was widest.

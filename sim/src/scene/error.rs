@@ -2,7 +2,7 @@
 
 use std::{fmt, io, ops::Range, path::PathBuf};
 
-use miette::{Diagnostic, LabeledSpan, SourceCode};
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode};
 use thiserror::Error;
 
 use super::extend::Sources;
@@ -121,6 +121,21 @@ impl fmt::Display for Problems {
             write!(f, "{separator}{problem}")?;
         }
         Ok(())
+    }
+}
+
+impl SceneError {
+    /// The places of the mistakes in the scene's file, as lines with the mistakes underlined; `None` where the error is not of a place in a file.
+    pub fn place(&self, in_colours: bool) -> Option<String> {
+        if !matches!(self, SceneError::Invalid { .. }) {
+            return None;
+        }
+        let theme = if in_colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
+        let mut report = String::new();
+        handler.render_report(&mut report, self).ok()?;
+        // The library's report begins with the error message; the lines after it show the place in the file.
+        report.split_once('\n').map(|(_, place)| place.to_owned())
     }
 }
 

@@ -169,6 +169,21 @@ impl MapView {
         });
     }
 
+    /// Draws the trail of the middles of the answers, ten for each second.
+    pub(super) fn draw_answers(&self, canvas: &mut Canvas, record: &RunRecord) {
+        let middles: Vec<[f64; 2]> = record
+            .estimates
+            .iter()
+            .step_by(10)
+            .map(|estimate| estimate.pose.hull().midpoint())
+            .filter(|middle| middle.iter().all(|value| value.is_finite()))
+            .map(|[x_m, y_m, _]| self.place([x_m, y_m]))
+            .collect();
+        canvas.clipped(self.panel, |canvas| {
+            middles.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.2, palette::BOX));
+        });
+    }
+
     /// Draws every box of the estimate, with a wedge of the headings that the box allows; all boxes are red when none of them holds the true pose.
     pub(super) fn draw_boxes(&self, canvas: &mut Canvas, image: &ImageRecord) {
         let is_contained = image.posterior.contains(image.truth.pose);

@@ -172,7 +172,7 @@ impl Timing {
 
     /// Content of the file `timing.json`. Its `program` is the digest of the executable, by which `--resume` recognises results of its own build; its
     /// `scene_path` and `set` (changed keys of the scene) are what a command that repeats the run has to name.
-    pub(super) fn to_json(&self) -> Value {
+    pub fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
         json!({
