@@ -1,0 +1,130 @@
+//! A localizer that is an object in Python, whose methods a run calls: `start`, `observe` and `answer`.
+
+use std::{
+    cell::{OnceCell, RefCell},
+    sync::Arc,
+};
+
+use localizer::{Pose, PoseBox, Reading};
+use numpy::{PyArray2, ndarray::Array2};
+use pyo3::prelude::*;
+use sim::{
+    scene::Scene,
+    subject::{Answer, Failure, GivenReading, Subject, device, told, turned_to},
+};
+
+use crate::{answers, cues, json, reading};
+
+/// A localizer in Python as the subject of a run. An exception in one of its methods is its failure, which ends the run.
+pub(crate) struct Called {
+    name: String,
+    object: Option<Py<PyAny>>,
+    given: (usize, Option<GivenReading>),
+    failure: OnceCell<Failure>,
+    /// What Python says of the failure, line by line.
+    log: OnceCell<String>,
+    latest: RefCell<Option<(f64, Answer)>>,
+    heading_rad: RefCell<f64>,
+}
+
+impl Called {
+    /// Makes the localizer by calling `make` with what it is told.
+    pub(crate) fn new(make: &Arc<Py<PyAny>>, name: &str, scene: &Scene) -> Called {
+        let mut called = Called {
+            name: name.to_owned(),
+            object: None,
+            given: (0, None),
+            failure: OnceCell::new(),
+            log: OnceCell::new(),
+            latest: RefCell::new(None),
+            heading_rad: RefCell::new(0.0),
+        };
+        let made = Python::attach(|py| {
+            let told = json::to_python(py, &told(scene))?;
+            // The vision of the scene's robot, for localizers that want it.
+            told.bind(py).set_item("cues", Py::new(py, cues::Cues::of_scene(scene))?)?;
+            make.bind(py).call1((told,)).map(Bound::unbind)
+        });
+        match made {
+            Ok(object) => called.object = Some(object),
+            Err(error) => called.fail(0.0, &error),
+        }
+        called
+    }
+
+    fn fail(&self, time_s: f64, error: &PyErr) {
+        let (reason, log) = Python::attach(|py| {
+            let trace = error.traceback(py).and_then(|trace| trace.format().ok()).unwrap_or_default();
+            (error.to_string(), format!("{trace}{error}\n"))
+        });
+        self.failure.get_or_init(|| Failure { time_s, reading: self.given.1.clone(), reason });
+        self.log.get_or_init(|| log);
+    }
+
+    /// Calls a method of the localizer, if it has it and has not failed.
+    fn call(&self, time_s: f64, call: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<()>) {
+        let Some(object) = self.object.as_ref().filter(|_| self.failure.get().is_none()) else { return };
+        if let Err(error) = Python::attach(|py| call(object.bind(py))) {
+            self.fail(time_s, &error);
+        }
+    }
+}
+
+impl Subject for Called {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn start(&mut self, start: &PoseBox) {
+        (*self.latest.get_mut(), *self.heading_rad.get_mut()) = (None, start[2].mid());
+        self.call(0.0, |object| {
+            let side = |(axis, end): (usize, usize)| if end == 0 { start[axis].lo() } else { start[axis].hi() };
+            let sides = PyArray2::from_owned_array(object.py(), Array2::from_shape_fn((3, 2), side));
+            object.call_method1("start", (sides,)).map(drop)
+        });
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        let (number, measured_s, arrived_s) = (self.given.0 + 1, reading.measured_s(), reading.arrived_s());
+        let device = device(reading).to_owned();
+        self.given = (number, Some(GivenReading { number, device, measured_s, arrived_s }));
+        *self.latest.get_mut() = None;
+        self.call(arrived_s, |object| {
+            let reading = reading::to_python(object.py(), reading.clone())?;
+            object.call_method1("observe", (reading,)).map(drop)
+        });
+    }
+
+    fn estimate_at(&self, time_s: f64) -> Answer {
+        if let Some((at_s, answer)) = &*self.latest.borrow()
+            && *at_s == time_s
+        {
+            return answer.clone();
+        }
+        let mut found = Answer::Point(Pose::default());
+        self.call(time_s, |object| {
+            let given = answers::returned(&object.call_method1("answer", (time_s,))?)?;
+            found = turned_to(answers::checked(given, time_s)?, *self.heading_rad.borrow());
+            Ok(())
+        });
+        let middle_rad = match &found {
+            Answer::Boxes(estimate) => estimate.pose.hull()[2].mid(),
+            Answer::Point(pose) => pose.heading_rad,
+            Answer::Gaussian(gaussian) => gaussian.mean.heading_rad,
+            _ => *self.heading_rad.borrow(),
+        };
+        if middle_rad.is_finite() {
+            *self.heading_rad.borrow_mut() = middle_rad;
+        }
+        *self.latest.borrow_mut() = Some((time_s, found.clone()));
+        found
+    }
+
+    fn failure(&self) -> Option<&Failure> {
+        self.failure.get()
+    }
+
+    fn end(&mut self) -> Option<String> {
+        self.log.get().cloned()
+    }
+}

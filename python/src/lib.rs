@@ -1,0 +1,24 @@
+//! The native part of the Python package `wherein`: drives step by step, results, cues and interval analysis.
+
+mod answers;
+mod asked;
+mod called;
+mod cues;
+mod drive;
+mod errors;
+mod json;
+mod reading;
+mod result;
+
+/// The native part of the package `wherein`.
+#[pyo3::pymodule(name = "_native")]
+mod native {
+    #[pymodule_export]
+    use crate::{
+        cues::{Cues, PyCue},
+        drive::{Drive, PyStep},
+        errors::{AnswerError, RunError, SceneError, WhereinError},
+        reading::{FlowReading, GyroReading, ImageReading, OtherReading, PyReading, RangeReading, WheelsReading},
+        result::DriveResult,
+    };
+}
