@@ -6,6 +6,7 @@ mod called;
 mod cues;
 mod drive;
 mod errors;
+mod experiments;
 mod json;
 mod reading;
 mod result;
@@ -18,6 +19,7 @@ mod native {
         cues::{Cues, PyCue},
         drive::{Drive, PyStep},
         errors::{AnswerError, RunError, SceneError, WhereinError},
+        experiments::{be_library, compare_results, report_folder, run_scenes, run_sweep},
         reading::{FlowReading, GyroReading, ImageReading, OtherReading, PyReading, RangeReading, WheelsReading},
         result::DriveResult,
     };

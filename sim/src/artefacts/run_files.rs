@@ -40,7 +40,8 @@ mod poses;
 mod summary;
 
 pub(crate) use digest::estimates_digest;
-pub use digest::{program_digest, scene_digest};
+pub(crate) use digest::is_library;
+pub use digest::{program_digest, run_as_library, scene_digest};
 pub use found::run_folders;
 pub use summary::{Summary, Timing, subject_of, width_by_bound};
 

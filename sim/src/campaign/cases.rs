@@ -86,7 +86,7 @@ impl Results {
     pub fn of_runs(folder: &Path) -> Result<Results, RecordError> {
         // Sweeps below the folder are left out, as they are results of their own.
         let folders = run_folders(folder, &|below| !below.join("sweep.json").exists())?;
-        let cases: Result<Vec<Option<CaseResult>>, RecordError> = folders.into_iter().map(case_of).collect();
+        let cases: Result<Vec<Option<CaseResult>>, RecordError> = folders.into_iter().map(CaseResult::read).collect();
         let mut cases: Vec<CaseResult> = cases?.into_iter().flatten().collect();
         let order = |case: &CaseResult| (case.scene.clone(), case.subject.clone(), case.label(), case.seed);
         cases.sort_by_cached_key(order);
@@ -130,6 +130,22 @@ impl Results {
 }
 
 impl CaseResult {
+    /// Reads the run that `folder` holds; `None` where it holds none.
+    pub fn read(folder: PathBuf) -> Result<Option<CaseResult>, RecordError> {
+        let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };
+        let settings = timing["set"].as_array().into_iter().flatten().filter_map(|set| set.as_str()?.parse().ok());
+        Ok(Some(CaseResult {
+            id: String::new(),
+            scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
+            scene_path: timing["scene_path"].as_str().unwrap_or_default().into(),
+            settings: settings.collect(),
+            seed: summary["seed"].as_u64().unwrap_or_default(),
+            subject: subject_of(&summary),
+            folder,
+            recorded: Recorded::Done { summary, timing },
+        }))
+    }
+
     /// Returns the contents of `summary.json`, if the case ran.
     pub fn summary(&self) -> Option<&Value> {
         match &self.recorded {
@@ -187,20 +203,4 @@ impl CaseResult {
         let parts = [scene, subject, self.label(), format!("seed {}", self.seed)];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
     }
-}
-
-/// The run that `folder` holds, as a case.
-fn case_of(folder: PathBuf) -> Result<Option<CaseResult>, RecordError> {
-    let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };
-    let settings = timing["set"].as_array().into_iter().flatten().filter_map(|set| set.as_str()?.parse().ok());
-    Ok(Some(CaseResult {
-        id: String::new(),
-        scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
-        scene_path: timing["scene_path"].as_str().unwrap_or_default().into(),
-        settings: settings.collect(),
-        seed: summary["seed"].as_u64().unwrap_or_default(),
-        subject: subject_of(&summary),
-        folder,
-        recorded: Recorded::Done { summary, timing },
-    }))
 }

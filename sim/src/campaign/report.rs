@@ -5,6 +5,7 @@
 mod corridor;
 mod costs;
 mod diagram;
+mod files;
 mod heatmap;
 mod markdown;
 mod measure;
@@ -14,6 +15,7 @@ mod picture;
 mod steps;
 mod text;
 
+pub use files::write;
 pub use markdown::as_markdown;
 pub use measure::{MEASURES, Measure};
 pub use overview::{Group, Overview};

@@ -7,6 +7,7 @@
 //! The name of a case is a digest of everything that determines the bytes of its results, and a case is recorded completely or not at all.
 //! A sweep that was killed can therefore continue where it stopped, and the parts that several machines ran can be merged.
 
+mod begun;
 mod error;
 mod file;
 mod merge;
@@ -21,6 +22,7 @@ use std::{ops::Range, path::PathBuf};
 
 use crate::subject::SubjectChoice;
 
+pub use begun::Begun;
 pub use error::SweepError;
 pub use merge::merge;
 pub use plan::{Case, Plan, PlannedCase};

@@ -9,9 +9,9 @@ use std::{
 use crate::{
     artefacts::run_files::naming,
     campaign::{
-        cases::{Results, Table, to_csv},
+        cases::Results,
         junit::to_junit,
-        report::{Overview, as_html, as_markdown, as_text},
+        report::{self, Overview, as_text},
         sweep::write_whole,
     },
 };
@@ -24,13 +24,7 @@ pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> R
     if results.cases.is_empty() {
         return Err(CommandError::NoResults(folder.to_owned()));
     }
-    let overview = Overview::of(results);
-    let table = Table::of(results);
-    write_whole(&folder.join("results.csv"), to_csv(&table).as_bytes())?;
-    #[cfg(feature = "parquet")]
-    write_parquet(&table, folder)?;
-    write_whole(&folder.join("report.html"), as_html(&overview, results).as_bytes())?;
-    write_whole(&folder.join("summary.md"), as_markdown(&overview, results).as_bytes())?;
+    let overview = report::write(results, folder)?;
     write_junit(results, outputs.junit.as_ref())?;
     print(&as_text(&overview, results))?;
     print(&format!("Recorded in {}: report.html, results.csv, summary.md\n", folder.display()))?;
@@ -43,13 +37,6 @@ pub(super) fn write_junit(results: &Results, path: Option<&PathBuf>) -> Result<(
     let Some(path) = path else { return Ok(()) };
     let text = naming("write", path, to_junit(results).map_err(io::Error::other))?;
     Ok(write_whole(path, text.as_bytes())?)
-}
-
-#[cfg(feature = "parquet")]
-fn write_parquet(table: &Table, folder: &Path) -> Result<(), CommandError> {
-    let path = folder.join("results.parquet");
-    let bytes = naming("write", &path, crate::campaign::cases::to_parquet(table).map_err(io::Error::other))?;
-    Ok(write_whole(&path, &bytes)?)
 }
 
 fn exit_code(overview: &Overview) -> ExitCode {

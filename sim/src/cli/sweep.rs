@@ -2,7 +2,6 @@
 
 use std::{
     io::Write,
-    path::Path,
     process::ExitCode,
     time::{Duration, Instant},
 };
@@ -13,10 +12,8 @@ use crate::{
     artefacts::{machine::cores, run_files},
     campaign::{
         cases::Results,
-        sweep::{Case, Finished, Plan, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
+        sweep::{Begun, Case, Finished, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
     },
-    loading::SceneTemplate,
-    render::Renderer,
     subject::SubjectChoice,
 };
 
@@ -25,27 +22,24 @@ use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};
 /// Runs every case of a sweep that is not recorded yet, and writes the results of all cases.
 pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let sweep = asked(arguments)?;
-    let template = SceneTemplate::load(&sweep.scene).map_err(SweepError::from)?;
-    let variations = sweep.variations(&template)?;
-    let has_camera = variations.iter().any(|file| file.scene.has_camera());
-    let renderer = if has_camera { Some(Renderer::on_adapter(adapter)?) } else { None };
-    let (plan, cases) = Plan::new(&sweep, &template, variations, renderer.as_ref().map(Renderer::adapter));
-    let out = arguments.out.clone().unwrap_or_else(|| Path::new("sweeps").join(&plan.scene));
     arguments.outputs.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
-    let store = Store::open(&out)?;
-    store.write_plan(&plan)?;
+    let mut begun = Begun::of(&sweep, arguments.out.as_deref(), adapter)?;
+    let renderer = begun.renderer.take();
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
-    let meant: Vec<&Case> = cases.iter().filter(|case| shard.holds(case.planned.index)).collect();
-    // Without a digest of the program, a case that this build recorded cannot be told from a case of another build, so that every case runs again.
-    let is_known = plan.program.is_some() && !sweep.subject.may_have_changed();
-    let is_recorded = |case: &Case| is_known && store.has(&case.planned, arguments.frames);
-    let todo: Vec<&Case> = meant.iter().copied().filter(|case| !is_recorded(case)).collect();
+    let (todo, n_meant) = begun.todo(shard, arguments.frames);
     let jobs = arguments.jobs.map_or_else(cores, usize::from);
     let began = Instant::now();
-    run_all(Work { cases: &todo, subject: &sweep.subject, jobs, frames: arguments.frames, renderer, store: &store })?;
-    say(&Ran { todo: &todo, n_meant: meant.len(), took: began.elapsed() }.to_string());
-    let results = Results::of_sweep(&out, plan, &|index| shard.holds(index));
-    conclude(&results, &out, &arguments.outputs)
+    run_all(Work {
+        cases: &todo,
+        subject: &sweep.subject,
+        jobs,
+        frames: arguments.frames,
+        renderer,
+        store: &begun.store,
+    })?;
+    say(&Ran { todo: &todo, n_meant, took: began.elapsed() }.to_string());
+    let results = Results::of_sweep(&begun.out, begun.plan, &|index| shard.holds(index));
+    conclude(&results, &begun.out, &arguments.outputs)
 }
 
 /// Merges the parts of a sweep and writes the results of the whole.

@@ -1,7 +1,7 @@
 //! SHA-256 digests of the bytes in which scenes, true states and estimates are written in one fixed form: two runs are equal if and only if their
 //! digests are.
 
-use std::{env, fmt::Write, fs, io, sync::OnceLock};
+use std::{env, fmt::Write, fs, io, path::PathBuf, sync::OnceLock};
 
 use localizer::{Estimate, Status};
 use sha2::{Digest, Sha256};
@@ -19,14 +19,31 @@ pub fn scene_digest(scene: &Scene) -> String {
     hex(&hasher.finalize())
 }
 
-/// Digest of the running program's own file. By it a program recognises results of its own build and does not take those of another.
+/// File of the library by which a program of another kind, such as an interpreter, runs this code; none for the command `wherein`.
+static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+
+/// Says that this code runs as a library of another program, in the file `library`: results are then those of the library's build.
+pub fn run_as_library(library: PathBuf) {
+    // Whoever says so first is right, as a process loads the library once.
+    let _ = LIBRARY.set(library);
+}
+
+/// Whether this code runs as a library of another program.
+pub(crate) fn is_library() -> bool {
+    LIBRARY.get().is_some()
+}
+
+/// Digest of the running program's own file, or of the library's where this code runs as a library. By it a program recognises results of its own build and does not take those of another.
 ///
 /// `None` when the system does not let a program read its own file; then no results are taken as its own.
 pub fn program_digest() -> Option<&'static str> {
     static DIGEST: OnceLock<Option<String>> = OnceLock::new();
     let of_file = || {
         let mut hasher = Sha256::new();
-        io::copy(&mut fs::File::open(env::current_exe()?)?, &mut Hashing(&mut hasher))?;
+        io::copy(
+            &mut fs::File::open(LIBRARY.get().cloned().map_or_else(env::current_exe, Ok)?)?,
+            &mut Hashing(&mut hasher),
+        )?;
         io::Result::Ok(hex(&hasher.finalize()))
     };
     DIGEST.get_or_init(|| of_file().ok()).as_deref()

@@ -2,7 +2,7 @@
 
 use std::{env, fmt};
 
-use crate::subject::SubjectChoice;
+use crate::{artefacts::run_files::is_library, subject::SubjectChoice};
 
 use super::CaseResult;
 
@@ -37,8 +37,11 @@ impl fmt::Display for Replay {
 }
 
 /// Returns the beginning of a command line that starts this program again: the program's name as the user called it, and the option for the graphics
-/// adapter that the user chose, as other adapters give other bytes.
+/// adapter that the user chose, as other adapters give other bytes. Where this code is a library of another program, it is the command `wherein`.
 pub fn program() -> Vec<String> {
+    if is_library() {
+        return vec!["wherein".to_owned()];
+    }
     let mut arguments = env::args();
     let mut words = vec![arguments.next().unwrap_or_else(|| "wherein".to_owned())];
     while let Some(argument) = arguments.next() {
