@@ -1,6 +1,6 @@
 //! Answers as Python gives them: arrays, lists or tuples of numbers.
 
-use localizer::PoseUnion;
+use ::localizer::PoseUnion;
 use pyo3::{exceptions::PyTypeError, prelude::*};
 use sim::subject::{Answer, ForeignAnswer};
 

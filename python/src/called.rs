@@ -5,7 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use localizer::{Pose, PoseBox, Reading};
+use ::localizer::{Pose, PoseBox, Reading};
 use numpy::{PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 use sim::{

@@ -7,7 +7,9 @@ mod cues;
 mod drive;
 mod errors;
 mod experiments;
+mod intervals;
 mod json;
+mod localizer;
 mod reading;
 mod result;
 
@@ -20,6 +22,8 @@ mod native {
         drive::{Drive, PyStep},
         errors::{AnswerError, RunError, SceneError, WhereinError},
         experiments::{be_library, compare_results, report_folder, run_scenes, run_sweep},
+        intervals::{Ctc, PyBox, PyInterval, Sep, ctc_box, ctc_dist, ctc_polar, ctc_q_inter, sep_dist, sivia},
+        localizer::{PoseUnion, PyLocalizer},
         reading::{FlowReading, GyroReading, ImageReading, OtherReading, PyReading, RangeReading, WheelsReading},
         result::DriveResult,
     };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use localizer::{Reading, reading::LandmarkId, reading::Sighting};
+use ::localizer::{Reading, reading::LandmarkId, reading::Sighting};
 use numpy::{
     PyArray2, PyArrayMethods, PyReadonlyArray2,
     ndarray::{ArrayView2, ShapeError},
