@@ -7,7 +7,7 @@ DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power driver build
+.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -25,6 +25,8 @@ help:
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
 	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
+	@echo "make python        build the Python package as a wheel; PYTHON=…"
+	@echo "make test-python   test the Python package and its examples; PYTHON=…"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
@@ -91,6 +93,13 @@ falsify-scenes: driver build
 
 power: driver build
 	$(PYTHON) scripts/power --wherein $(WHEREIN)
+
+# Both make their virtual environments in target/python themselves.
+python:
+	@PYTHON=$(PYTHON) scripts/python build
+
+test-python: driver
+	@PYTHON=$(PYTHON) scripts/python test
 
 driver:
 	@scripts/driver

@@ -10,10 +10,10 @@ use numpy::{PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 use sim::{
     scene::Scene,
-    subject::{Answer, Failure, GivenReading, Subject, device, told, turned_to},
+    subject::{Answer, Failure, GivenReading, Subject, device, turned_to},
 };
 
-use crate::{answers, cues, json, reading};
+use crate::{answers, cues, reading};
 
 /// A localizer in Python as the subject of a run. An exception in one of its methods is its failure, which ends the run.
 pub(crate) struct Called {
@@ -39,12 +39,7 @@ impl Called {
             latest: RefCell::new(None),
             heading_rad: RefCell::new(0.0),
         };
-        let made = Python::attach(|py| {
-            let told = json::to_python(py, &told(scene))?;
-            // The vision of the scene's robot, for localizers that want it.
-            told.bind(py).set_item("cues", Py::new(py, cues::Cues::of_scene(scene))?)?;
-            make.bind(py).call1((told,)).map(Bound::unbind)
-        });
+        let made = Python::attach(|py| make.bind(py).call1((cues::told_with_cues(py, scene)?,)).map(Bound::unbind));
         match made {
             Ok(object) => called.object = Some(object),
             Err(error) => called.fail(0.0, &error),

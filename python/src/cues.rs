@@ -5,11 +5,11 @@ use numpy::{PyArray1, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 use sim::{
     scene::Scene,
-    subject::{Cue, CueReader},
+    subject::{Cue, CueReader, told},
 };
 use std::sync::Mutex;
 
-use crate::{answers::numbers, drive::Drive, reading::PyReading};
+use crate::{answers::numbers, drive::Drive, json, reading::PyReading};
 
 /// Residual, Jacobian and noise of one compared cue.
 type Linear<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -26,6 +26,13 @@ impl Cues {
     pub(crate) fn of_scene(scene: &Scene) -> Cues {
         Cues { reader: Mutex::new(CueReader::of(scene)) }
     }
+}
+
+/// What a localizer is told beforehand about a scene, with new cues.
+pub(crate) fn told_with_cues(py: Python<'_>, scene: &Scene) -> PyResult<Py<PyAny>> {
+    let told = json::to_python(py, &told(scene))?;
+    told.bind(py).set_item("cues", Py::new(py, Cues::of_scene(scene))?)?;
+    Ok(told)
 }
 
 #[pymethods]

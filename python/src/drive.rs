@@ -15,14 +15,15 @@ use sim::{
     loading::SceneFile,
     render::{RenderError, Renderer},
     run::{FramesPolicy, RunOptions, RunRecord, run},
-    subject::{ForeignAnswer, Step, Steps, stepped, told},
+    subject::{ForeignAnswer, Step, Steps, stepped},
 };
 
 use crate::{
     answers,
     asked::{frames_policy, scene_file},
+    cues,
     errors::{self, AnswerError},
-    json, reading,
+    reading,
     result::DriveResult,
 };
 
@@ -125,11 +126,11 @@ impl Drive {
         self.file.scene.simulated_s()
     }
 
-    /// What a localizer is told beforehand: a dict of `map` and `robot`, with the keys of the page "A localizer in any language". Intervals are lists
-    /// of their least and greatest value.
+    /// What a localizer is told beforehand: a dict of `map` and `robot`, with the keys of the page "A localizer in any language", and of `cues`, new
+    /// Cues for the drive. Intervals are lists of their least and greatest value.
     #[getter]
     fn told(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        json::to_python(py, &told(&self.file.scene))
+        cues::told_with_cues(py, &self.file.scene)
     }
 
     /// Box of poses in which the drive starts: an array of shape (3, 2), the least and greatest x (m), y (m) and heading (rad).

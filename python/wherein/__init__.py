@@ -16,8 +16,14 @@ import os as _os
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 _os.environ.setdefault("NODEVICE_SELECT", "1")
 
+from . import _native  # noqa: E402
 from ._native import (  # noqa: E402
     AnswerError,
+    Ctc,
+    CtcBox,
+    CtcDist,
+    CtcPolar,
+    CtcQInter,
     Cue,
     Cues,
     Drive,
@@ -25,18 +31,34 @@ from ._native import (  # noqa: E402
     FlowReading,
     GyroReading,
     ImageReading,
+    Interval,
+    IntervalVector,
+    Localizer,
     OtherReading,
+    PoseUnion,
     RangeReading,
     Reading,
     RunError,
     SceneError,
+    Sep,
+    SepDist,
     Step,
     WheelsReading,
     WhereinError,
+    sivia,
 )
+from .experiments import Comparison, compare, picture, report, run, sweep  # noqa: E402
+
+_native.be_library(_native.__file__)
 
 __all__ = [
     "AnswerError",
+    "Comparison",
+    "Ctc",
+    "CtcBox",
+    "CtcDist",
+    "CtcPolar",
+    "CtcQInter",
     "Cue",
     "Cues",
     "Drive",
@@ -44,12 +66,24 @@ __all__ = [
     "FlowReading",
     "GyroReading",
     "ImageReading",
+    "Interval",
+    "IntervalVector",
+    "Localizer",
     "OtherReading",
+    "PoseUnion",
     "RangeReading",
     "Reading",
     "RunError",
     "SceneError",
+    "Sep",
+    "SepDist",
     "Step",
     "WheelsReading",
     "WhereinError",
+    "compare",
+    "picture",
+    "report",
+    "run",
+    "sivia",
+    "sweep",
 ]
