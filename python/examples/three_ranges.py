@@ -6,11 +6,11 @@ BEACONS_M = {(0.0, 0.0): 5.0, (8.0, 0.0): 5.0, (4.0, 6.0): 3.0}
 
 room = wherein.IntervalVector([[0, 8], [0, 6]])
 ranges = [wherein.CtcDist(at, wherein.Interval.centred(range_m, 0.1)) for at, range_m in BEACONS_M.items()]
-place = (ranges[0] & ranges[1] & ranges[2]).contract(room)
-print("all three are right:", place)
+print("all three are right:", (ranges[0] & ranges[1] & ranges[2]).contract(room))
 
-for boxes in [wherein.CtcQInter(ranges, 1).pave(room, 0.05)]:
-    print("one may be wrong:", len(boxes), "boxes, x from", boxes[:, 0, 0].min(), "to", boxes[:, 0, 1].max())
+boxes = wherein.CtcQInter(ranges, 1).pave(room, 0.05)
+print("one may be wrong:", len(boxes), "boxes, x from", boxes[:, 0, 0].min(), "to", boxes[:, 0, 1].max())
 
-inner, outer, boundary = wherein.sivia(room, wherein.SepDist((4, 3), [1, 2]) & ~wherein.SepDist((4, 5), [0, 1]), 0.1)
-print("a ring with a bite:", len(inner), "boxes inside,", len(boundary), "undecided")
+within_1_m = wherein.SepDist((0, 0), [4, 6]) & wherein.SepDist((8, 0), [4, 6]) & wherein.SepDist((4, 6), [2, 4])
+inner, outer, boundary = wherein.sivia(room, within_1_m, 0.1)
+print("ranges within 1 m:", len(inner), "boxes surely inside,", len(boundary), "undecided")

@@ -12,8 +12,10 @@ from wherein import CtcBox, CtcDist, CtcPolar, CtcQInter, Interval, IntervalVect
 def test_arithmetic_holds_every_result():
     third = Interval(1) / 3
     assert third.lb < third.ub and 1 / 3 in third and third.diam() < 1e-15
-    assert Interval(1, 2) - Interval(1, 2) == Interval(-1, 1)
-    assert Interval(-1, 2).sqr() == Interval(0, 4) and Interval(3, 3).hypot(4).lb <= 5 <= Interval(3).hypot(4).ub
+    difference, square = Interval(1, 2) - Interval(1, 2), Interval(-1, 2).sqr()
+    assert -1 in difference and 1 in difference and difference.diam() < 2 + 1e-14
+    assert 0 in square and 4 in square and square.diam() < 4 + 1e-14
+    assert Interval(3, 3).hypot(4).lb <= 5 <= Interval(3).hypot(4).ub
     assert (Interval(0, 1) & Interval(2, 3)).is_empty() and (Interval(0, 1) | 3) == Interval(0, 3)
     with pytest.raises(ValueError, match="2 and 1"):
         Interval(2, 1)
@@ -24,8 +26,11 @@ def test_arithmetic_holds_every_result():
 def test_two_distances_leave_a_place():
     # 5 m from two pegs that are 6 m apart: 3 m along and 4 m away.
     room = IntervalVector([[0, 10], [0, 10]])
-    place = (CtcDist((0, 0), Interval.centred(5, 0.01)) & CtcDist((6, 0), Interval.centred(5, 0.01))).contract(room)
-    assert [3, 4] in place and max(place.diam()) < 0.2
+    both = CtcDist((0, 0), Interval.centred(5, 0.01)) & CtcDist((6, 0), Interval.centred(5, 0.01))
+    assert [3, 4] in both.contract(room)
+    boxes = both.pave(room, 0.01)
+    low, high = boxes[:, :, 0].min(axis=0), boxes[:, :, 1].max(axis=0)
+    assert (low <= [3, 4]).all() and ([3, 4] <= high).all() and (high - low < 0.1).all()
     assert CtcDist((0, 0), [20, 21]).contract(room).is_empty()
 
 
@@ -59,8 +64,9 @@ def test_a_paving_tells_inside_from_outside():
 
 
 def test_the_localizer_holds_a_robot_with_odometry_and_beacons():
-    # The robot drives straight ahead along x from (1, 2) at 0.25 m/s; a beacon at (4, 5) measures its distance every second.
-    beacon = lambda numbers: CtcDist((4, 5), Interval.centred(numbers[0], 0.05))
+    # The robot drives straight ahead along x from (1, 2) at 0.25 m/s, and every second measures its distance from two beacons, each within 5 cm.
+    beacons = [(4, 5), (7, 0)]
+    beacon = lambda numbers: CtcDist((numbers[0], numbers[1]), Interval.centred(numbers[2], 0.05))
     localizer = wherein.Localizer(
         IntervalVector([[0, 8], [0, 6]]),
         IntervalVector([[0.8, 1.2], [1.8, 2.2], [-0.1, 0.1]]),
@@ -73,11 +79,13 @@ def test_the_localizer_holds_a_robot_with_odometry_and_beacons():
         x_m = 1 + 0.25 * time_s
         assert localizer.observe(wherein.WheelsReading.of_odometry(time_s, (x_m - 1, x_m - 1))) is None
         if step % 100 == 0:
-            localizer.observe(wherein.OtherReading(time_s, "beacon", [math.hypot(x_m - 4, 3)]))
+            for at in beacons:
+                localizer.observe(wherein.OtherReading(time_s, "beacon", [*at, math.dist(at, (x_m, 2))]))
             union = localizer.estimate_at(time_s)
-            assert [x_m, 2.0, 0.0] in union and [x_m, 2.0 + 0.4, 0.0] not in union
+            assert [x_m, 2.0, 0.0] in union
             widths.append(union.hull[1].diam())
-    assert widths[-1] < 0.4 and not union.recovering and union.boxes.shape[1:] == (3, 2)
+    # Without beacons the start's 0.4 m could only grow.
+    assert widths[-1] < 0.4 and [x_m, 2.5, 0.0] not in union and not union.recovering and union.boxes.shape[1:] == (3, 2)
 
 
 def test_an_exception_of_a_device_reaches_whoever_gives_the_reading():
