@@ -120,3 +120,61 @@ impl Subject for Stepped {
         self.failure.get()
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::{f64::consts::TAU, thread};
+
+    use interval::Interval;
+
+    use super::*;
+
+    const SOON: Duration = Duration::from_secs(30);
+
+    fn wheels(time_s: f64) -> Reading {
+        Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks: [1, 2] }
+    }
+
+    fn point(heading_rad: f64) -> Answer {
+        Answer::Point(Pose { x_m: 1.0, y_m: 2.0, heading_rad })
+    }
+
+    #[test]
+    fn each_question_has_the_readings_since_the_one_before_and_is_asked_once() {
+        let (mut subject, steps) = stepped("loop".to_owned());
+        let answering = thread::spawn(move || {
+            let mut seen = Vec::new();
+            while let Ok(Some(step)) = steps.next_within(SOON) {
+                seen.push((step.time_s, step.start.is_some(), step.readings.len()));
+                steps.answer(point(0.5 + TAU));
+            }
+            seen
+        });
+        subject.start(&PoseBox::from([0.0, 0.0, 0.4].map(Interval::point)));
+        subject.observe(&wheels(0.0));
+        subject.observe(&wheels(0.005));
+        // The heading is taken at the turn of the start box, and the driver's and the recorder's question for one time are one.
+        let first = subject.estimate_at(0.01);
+        let Answer::Point(pose) = &first else { unreachable!() };
+        assert!((pose.heading_rad - 0.5).abs() < 1e-12);
+        assert_eq!(subject.estimate_at(0.01), first);
+        subject.observe(&wheels(0.01));
+        subject.estimate_at(0.01);
+        subject.estimate_at(0.02);
+        assert!(subject.failure().is_none());
+        drop(subject);
+        assert_eq!(answering.join().unwrap(), [(0.01, true, 2), (0.01, false, 1), (0.02, false, 0)]);
+    }
+
+    #[test]
+    fn a_loop_that_is_left_is_a_failure_with_the_newest_reading() {
+        let (mut subject, steps) = stepped("loop".to_owned());
+        subject.observe(&wheels(0.25));
+        drop(steps);
+        subject.estimate_at(0.26);
+        let failure = subject.failure().unwrap();
+        assert_eq!((failure.time_s, failure.reading.as_ref().unwrap().number), (0.26, 1));
+        assert!(failure.reason.contains("left"));
+    }
+}
