@@ -17,11 +17,14 @@ use super::{
 /// answer after an image some tenths of a second.
 pub const USUAL_LIMIT: Duration = Duration::from_secs(30);
 
+/// A function that makes a localizer of what it may know of a scene beforehand; threads may share it.
+type Create = dyn Fn(&Scene) -> Box<dyn Subject> + Send + Sync;
+
 /// A localizer that a program has added to the built-in ones.
 #[derive(Clone)]
 pub struct Added {
     name: String,
-    create: Arc<dyn Fn(&Scene) -> Box<dyn Subject> + Send + Sync>,
+    create: Arc<Create>,
     /// Whether it may have changed although the program is the same.
     may_have_changed: bool,
 }

@@ -180,3 +180,76 @@ impl Compared {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const POSE: [f64; 3] = [2.03, 1.02, 0.4];
+
+    fn cue(what: What) -> Cue {
+        let tiles = TileGrid {
+            edge_m: [0.3, 0.5],
+            rotation_rad: 0.1,
+            phase_m: [0.05, 0.2],
+            joint_width_m: 0.004,
+            laying_m: 0.001,
+            laying_angle_rad: 0.001,
+            straightness_m: 0.0,
+        };
+        let known = Arc::new(Known { tiles: Some(tiles), wall_directions_rad: vec![0.1] });
+        Cue { measured_s: 0.0, what, mount: Mount { sigma: [0.003, 0.002, 0.004] }, known }
+    }
+
+    fn cues() -> Vec<Cue> {
+        let edge = |quarter: f64| Edge {
+            direction_rad: 0.1 - 0.41 + quarter * std::f64::consts::FRAC_PI_2,
+            sigma_rad: 0.001,
+            by_lean: [0.0, 0.0],
+            lean_sigma_rad: 0.002,
+        };
+        vec![
+            cue(What::Markers { pose: [2.0, 1.0, 0.41], covariance: Matrix3::identity() * 1e-6 }),
+            cue(What::Joint(Joint { normal_rad: -0.29, distance_m: 0.07, sigma: [0.01, 0.01] })),
+            cue(What::Walls(vec![edge(0.0), edge(1.0), edge(2.0)])),
+            cue(What::Position { in_robot_m: [0.1, 0.05], in_world_m: [2.1, 1.1], sigma_m: 0.01 }),
+        ]
+    }
+
+    #[test]
+    fn residuals_fall_by_what_the_jacobian_says_when_the_pose_moves() {
+        let covariance = Matrix3::identity() * 1e-6;
+        for cue in cues() {
+            let before = cue.compare(POSE, &covariance).unwrap();
+            for axis in 0..3 {
+                let mut moved = POSE;
+                moved[axis] += 1e-5;
+                let change = (cue.compare(moved, &covariance).unwrap().residual - &before.residual) / 1e-5;
+                let expected = -before.jacobian.column(axis);
+                // A joint's direction turns with the pose within its rounding; the rest is the second order of a step of 1e-5.
+                assert!((change - expected).amax() < 1e-3, "{} along axis {axis}", cue.kind());
+            }
+        }
+    }
+
+    #[test]
+    fn the_noise_holds_the_errors_of_the_mount() {
+        let covariance = Matrix3::identity() * 1e-6;
+        let noise: Vec<DMatrix<f64>> = cues().iter().map(|cue| cue.compare(POSE, &covariance).unwrap().noise).collect();
+        // Markers: the mount's variances on the diagonal, turned with the robot, so that their sum over x and y stays 0.003² + 0.002².
+        let spread_m2 = 0.003_f64.powi(2) + 0.002_f64.powi(2);
+        assert!((noise[0][(0, 0)] + noise[0][(1, 1)] - 2e-6 - spread_m2).abs() < 1e-12);
+        assert!((noise[0][(2, 2)] - 1e-6 - 0.004_f64.powi(2)).abs() < 1e-12);
+        assert!(noise[1][(0, 0)] >= 0.01_f64.powi(2) + 0.004_f64.powi(2) - 1e-12);
+        assert!(noise[2][(0, 0)] >= 0.004_f64.powi(2));
+        assert!((noise[3][(0, 0)] + noise[3][(1, 1)] - 2.0 * 0.01_f64.powi(2) - spread_m2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_joint_that_may_be_its_neighbour_tells_nothing() {
+        let joint = &cues()[1];
+        assert!(joint.compare(POSE, &(Matrix3::identity() * 1e-6)).is_some());
+        assert!(joint.compare(POSE, &Matrix3::identity()).is_none());
+    }
+}
