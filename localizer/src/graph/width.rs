@@ -89,14 +89,16 @@ mod tests {
         let rows = vec![(row.with_part(bounds::WHEELS_SLIP, 0.2), [0.0, 1.0])];
         let mut hull = Hull::new(Related::new(domain, rows, BTreeMap::new()).unwrap(), vec![x]);
         while !hull.advance() {}
+        // The solver stops at 1e-5 of the width of the box before, which is 20.
+        const GAP_M: f64 = 2e-4;
         let parts = &hull.width_parts()[0];
         let expected = [(bounds::FLOW_CALIBRATION, 0.2), (bounds::WHEELS_SLIP, 0.4)];
         for ((bound, part), (name, makes)) in parts.by_bound.iter().zip(expected) {
-            assert!(*bound == name && (part - makes).abs() < 1e-5, "{parts:?}");
+            assert!(*bound == name && (part - makes).abs() < GAP_M, "{parts:?}");
         }
         assert_eq!(parts.greatest().unwrap().0, bounds::WHEELS_SLIP);
-        assert!((parts.rest - 0.2).abs() < 1e-5 && parts.by_boxes < 1e-5 && parts.saved.abs() < 1e-5, "{parts:?}");
-        assert!((parts.width() - 0.8).abs() < 1e-5, "{parts:?}");
+        assert!((parts.rest - 0.2).abs() < GAP_M && parts.by_boxes < GAP_M && parts.saved.abs() < GAP_M, "{parts:?}");
+        assert!((parts.width() - 0.8).abs() < GAP_M, "{parts:?}");
     }
 
     #[test]

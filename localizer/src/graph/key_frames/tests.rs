@@ -113,6 +113,7 @@ fn what_displaces_a_reading_displaces_neither_the_pose_nor_the_way() {
             }
             bounds[0].width().max(bounds[1].width())
         });
-        assert!(widths[0] <= widths[1].min(0.0202) + 1e-6, "round {round}: {widths:?}");
+        // The solver stops at 1e-5 of the width of the box before, which is 0.2 m.
+        assert!(widths[0] <= widths[1].min(0.0202) + 2e-6, "round {round}: {widths:?}");
     }
 }
