@@ -208,3 +208,5 @@ mod falsify_search;
 mod falsify_wishes;
 /// Tests of scenes that once showed a fault, each with its seeds.
 mod found_scenes;
+/// Tests of replaying logs that another program wrote: bags of rosbag2 by the Python package rosbags.
+mod foreign_logs;

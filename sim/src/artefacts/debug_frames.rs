@@ -17,12 +17,14 @@ mod canvas;
 mod contact_sheet;
 mod errand_map;
 mod figure;
+mod log_map;
 mod map_view;
 mod palette;
 mod range_view;
 mod tones;
 
 pub use contact_sheet::{Column, contact_sheet};
+pub(crate) use log_map::draw as log_map;
 pub use tones::tone_mapped;
 
 /// Draws the figure of an image: what the localizer saw in it, beside a map of where it put the robot. `None` when the run's record has not kept the

@@ -1,10 +1,12 @@
-//! The files that runs leave behind, the replay of a recorded run through the localizer, and markers to print.
+//! The files that runs leave behind, the replay of a recorded run or of another program's log through the localizer, and markers
+//! to print.
 //!
 //! | module | what it writes or reads |
 //! |---|---|
 //! | [`run_files`] | the folder of one run: `summary.json`, trajectories, boxes, steps |
 //! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
 //! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
+//! | [`log`] | a log that another program recorded, whose readings it gives to a localizer |
 //! | [`debug_frames`] | pictures of one run: what a camera saw, with what the localizer made of it drawn over |
 //! | [`result_table`] | the table of results that a terminal and README show |
 //! | [`machine`] | the description in words of the computer that ran, which result files name |
@@ -13,6 +15,7 @@
 pub mod run_files;
 pub mod recording;
 pub mod replay;
+pub mod log;
 pub mod debug_frames;
 pub mod result_table;
 pub mod machine;

@@ -43,6 +43,8 @@ pub(crate) use digest::estimates_digest;
 pub(crate) use digest::is_library;
 pub use digest::{program_digest, run_as_library, scene_digest};
 pub use found::run_folders;
+pub(crate) use poses::poses_tum;
+pub(crate) use summary::width_of;
 pub use summary::{Summary, Timing, subject_of, width_by_bound};
 
 /// Reason why a run cannot be recorded. The error's text is phrased to follow "failed to".

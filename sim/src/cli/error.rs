@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    artefacts::{recording::LiveError, replay::ReplayError, run_files::RecordError},
+    artefacts::{log::LogError, recording::LiveError, replay::ReplayError, run_files::RecordError},
     campaign::{comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError},
     loading::UpgradeError,
     render::RenderError,
@@ -26,6 +26,8 @@ pub(super) enum CommandError {
     Render(#[from] RenderError),
     #[error(transparent)]
     Replay(#[from] ReplayError),
+    #[error(transparent)]
+    Log(#[from] LogError),
     #[error(transparent)]
     Record(#[from] RecordError),
     #[error(transparent)]

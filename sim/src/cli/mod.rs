@@ -64,6 +64,7 @@ Examples:
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
   wherein run scenes/x.toml --live                                the same, live
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording
+  wherein replay --robot robot.toml rosbag2_2026_05_04            a localizer on a log that another program recorded
   wherein markers scenes/x.toml                                   a printable sheet and the map of its markers
   wherein scene scenes/x.toml                                     the scene with all that it extends, as one text
   wherein upgrade scenes/x.toml                                   a scene of an older version, rewritten for this one
@@ -94,7 +95,8 @@ enum Command {
     /// Writes a printable sheet of a scene's ceiling markers and their map, and prints whether the ceiling camera sees enough of them from everywhere
     /// in the room.
     Markers(markers::MarkersArguments),
-    /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
+    /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones; with --robot, runs a localizer on
+    /// a log that another program recorded.
     Replay(replay::ReplayArguments),
     /// Prints a Markdown table of recorded runs, or inserts the table into a document.
     Table(table::TableArguments),

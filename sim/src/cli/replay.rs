@@ -1,12 +1,13 @@
-//! `wherein replay`: runs the localizer on a recording again.
+//! `wherein replay`: runs the localizer on a recording again, or a localizer on a log that another program recorded.
 
 use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
-use super::{CommandError, print};
+use super::{CommandError, print, tested::Tested};
 use crate::{
-    artefacts::{replay::replay, run_files},
+    artefacts::{log::replay_log, replay::replay, run_files},
+    loading::SceneFile,
     scene::Scene,
 };
 
@@ -14,22 +15,37 @@ use crate::{
 #[derive(Debug, Args)]
 #[command(after_help = REPLAY_AFTER_HELP)]
 pub(super) struct ReplayArguments {
-    /// A recording that `wherein run --record` or `--ros2` wrote.
+    /// A recording that `wherein run --record` or `--ros2` wrote; with --robot an MCAP file or a bag of rosbag2 that another program wrote.
     #[arg(value_name = "FILE")]
     recording: PathBuf,
     /// Set up the localizer by this scene instead of by the recorded scene.
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
-    /// Folder for estimate.tum and boxes.csv of the replay.
+    /// Read a log that another program recorded, of the robot and the place that this scene describes; its table `[log]` says how the log is read.
+    #[arg(long, value_name = "SCENE", conflicts_with = "scene")]
+    robot: Option<PathBuf>,
+    #[command(flatten)]
+    tested: Tested,
+    /// Folder for estimate.tum and boxes.csv of the replay; with --robot for a folder of the log's name with summary.json and map.png too.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// With --robot, print the summary as JSON instead of a text.
+    #[arg(long, requires = "robot")]
+    json: bool,
 }
 
 const REPLAY_AFTER_HELP: &str = "\
-Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.";
+Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.
+
+With --robot: 0 nothing speaks against what is declared, 1 a true pose was outside of the boxes, a declared bound was exceeded, readings
+contradicted each other, or a limit of [expect] was not kept, 2 could not replay. Messages that cannot be used are dropped and reported
+with topic and time. --subject chooses the localizer that is given the log.";
 
 /// Replays a recording and prints whether the localizer's estimates are equal to the recorded ones.
 pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, CommandError> {
+    if let Some(robot) = &arguments.robot {
+        return replay_foreign(arguments, &SceneFile::load(robot)?);
+    }
     let other = arguments.scene.as_deref().map(Scene::load).transpose()?;
     let found = replay(&arguments.recording, other.as_ref())?;
     if let Some(folder) = &arguments.out {
@@ -52,4 +68,20 @@ pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, 
     // When the user replays with another scene than the recorded one, different estimates are expected and are no failure.
     let has_failed = found.n_different > 0 && other.is_none();
     Ok(ExitCode::from(u8::from(has_failed)))
+}
+
+/// Replays a log that another program recorded, and prints what came of it.
+fn replay_foreign(arguments: &ReplayArguments, robot: &SceneFile) -> Result<ExitCode, CommandError> {
+    if let Some(folder) = &arguments.out {
+        run_files::prepare(folder)?;
+    }
+    let found = replay_log(robot, &arguments.recording, &arguments.tested.choice())?;
+    let folder = arguments.out.as_deref().map(|folder| found.write(folder)).transpose()?;
+    if arguments.json {
+        print(&format!("{:#}\n", found.summary))?;
+    } else {
+        let written = folder.map_or_else(String::new, |folder| format!("written to {}\n", folder.display()));
+        print(&format!("{}{written}", found.text))?;
+    }
+    Ok(ExitCode::from(u8::from(!found.passed)))
 }

@@ -23,7 +23,7 @@ pub use errands::{distance_to_way_m, true_distance_m};
 pub use expectations::metric_names;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
-pub(crate) use statistics::{SETTLED_S, midpoint};
+pub(crate) use statistics::{SETTLED_S, errors, fix_width, midpoint};
 pub use verdict::{
     AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Calibration, Containment,
     Distribution, ErrorTable, FirstFailure, FixWidth, Halvings, Judgement, Latency, MethodCounts, Nees, Passed,

@@ -15,7 +15,7 @@ pub(crate) fn midpoint(hull: &PoseBox) -> Pose {
 }
 
 /// Errors of `estimates` against `truths`, step by step; steps without an estimate are left out.
-pub(super) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
+pub(crate) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
     let pairs = || estimates.iter().zip(truths);
     let axis = |component: fn(&Pose) -> f64| {
         axis_error(&pairs().map(|(estimate, truth)| component(estimate) - component(truth)).collect::<Vec<_>>())
@@ -55,7 +55,7 @@ pub(super) fn widths(record: &RunRecord) -> WidthTable {
 }
 
 /// Full widths of boxes, axis by axis.
-pub(super) fn fix_width(hulls: &[PoseBox]) -> FixWidth {
+pub(crate) fn fix_width(hulls: &[PoseBox]) -> FixWidth {
     let [x_m, y_m, heading_rad] = [0, 1, 2].map(|axis| axis_width(hulls, axis));
     FixWidth { x_m, y_m, heading_rad }
 }

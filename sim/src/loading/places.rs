@@ -3,6 +3,7 @@
 mod building;
 mod cameras;
 mod errands;
+mod logs;
 mod markers;
 mod sensors;
 mod things;
@@ -31,6 +32,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     errands::contradictions(scene, &mut found);
     markers::contradictions(scene, &mut found);
     sensors::contradictions(scene, &mut found);
+    logs::contradictions(scene, &mut found);
     found.extend(
         scene
             .expect
@@ -46,7 +48,7 @@ fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
         (None, _, true) if scene.station_spread.is_some() => {
             ("station_spread.count", "the room has no place for the robot's body, expected a larger one")
         }
-        (None, false, true) => (
+        (None, false, true) if scene.log.is_none() => (
             "route",
             "missing, expected a `[route]` to drive, an `[[errand]]`, or at least one `[[station]]` to stand at",
         ),

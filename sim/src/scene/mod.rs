@@ -19,6 +19,7 @@ mod expect;
 mod extend;
 mod floor;
 mod lamps;
+mod log;
 mod markers;
 pub(crate) mod moved;
 mod navigation;
@@ -46,6 +47,7 @@ pub use extend::Sources;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use keys_page::keys_markdown;
 pub use lamps::{Lamp, LampKind, MAX_LAMPS, Spectrum};
+pub use log::{Datum, ImuMount, Joints, Log, LoggedTruth, OdometryLaw, Stamps, Topics, UpAxis};
 pub(crate) use markers::UNDER_CEILING_M;
 pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation};
@@ -129,6 +131,9 @@ pub struct Scene {
     /// Setup of the localizer: its methods, and when its estimate counts as available.
     #[serde(default)]
     pub localizer: LocalizerSetup,
+    /// How a log that another program recorded is read, for `wherein replay --robot`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log: Option<Log>,
     /// Limits that the results of every run must keep for its verdict to pass.
     #[serde(default)]
     pub expect: Expect,

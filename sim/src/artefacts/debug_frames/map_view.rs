@@ -1,6 +1,7 @@
 //! The floor seen from above: room, floor joints as they were truly laid, route, driven trail, the localizer's boxes and the robot's true pose.
 
-use localizer::{Pose, PoseBox};
+use image::Rgb;
+use localizer::{Pose, PoseBox, PoseUnion};
 
 use crate::{
     driver::Outcome,
@@ -181,6 +182,25 @@ impl MapView {
             .collect();
         canvas.clipped(self.panel, |canvas| {
             middles.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.2, palette::BOX));
+        });
+    }
+
+    /// Draws a path from place to place.
+    pub(super) fn draw_path(&self, canvas: &mut Canvas, places_m: &[[f64; 2]], colour: Rgb<u8>) {
+        canvas.clipped(self.panel, |canvas| {
+            for pair in places_m.windows(2) {
+                canvas.line(self.place(pair[0]), self.place(pair[1]), 1.2, colour);
+            }
+        });
+    }
+
+    /// Draws the outline of every box of a union.
+    pub(super) fn draw_union(&self, canvas: &mut Canvas, union: &PoseUnion) {
+        canvas.clipped(self.panel, |canvas| {
+            for branch in &union.branches {
+                let [x, y, _] = branch.components();
+                canvas.outline(&self.rectangle([x.lo(), x.hi()], [y.lo(), y.hi()]), 1.2, palette::BOX);
+            }
         });
     }
 

@@ -103,12 +103,21 @@ pub(super) fn nanoseconds(time_s: f64) -> i64 {
 pub(crate) struct Fields<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// Whether the most significant byte of a number comes first.
+    is_big_endian: bool,
 }
 
 impl<'a> Fields<'a> {
     /// Starts reading a whole message; `None` when it does not begin with the header that [`Message`] writes.
     pub(crate) fn of(message: &'a [u8]) -> Option<Fields<'a>> {
-        message.strip_prefix(&HEADER).map(|bytes| Fields { bytes, at: 0 })
+        message.strip_prefix(&HEADER).map(|bytes| Fields { bytes, at: 0, is_big_endian: false })
+    }
+
+    /// Starts reading a whole message that another program wrote; `None` when it is not in plain CDR. Either order of bytes is read, and the options
+    /// in the header, in which newer writers state how many bytes they added at the end, are skipped.
+    pub(crate) fn of_others(message: &'a [u8]) -> Option<Fields<'a>> {
+        let (&[0, order @ (0 | 1), _, _], bytes) = message.split_first_chunk()? else { return None };
+        Some(Fields { bytes, at: 0, is_big_endian: order == 0 })
     }
 
     pub(crate) fn bool(&mut self) -> Option<bool> {
@@ -117,6 +126,14 @@ impl<'a> Fields<'a> {
 
     pub(crate) fn u8(&mut self) -> Option<u8> {
         self.number::<1>().map(|[byte]| byte)
+    }
+
+    pub(crate) fn u16(&mut self) -> Option<u16> {
+        self.number().map(u16::from_le_bytes)
+    }
+
+    pub(crate) fn i32(&mut self) -> Option<i32> {
+        self.number().map(i32::from_le_bytes)
     }
 
     pub(crate) fn u32(&mut self) -> Option<u32> {
@@ -143,14 +160,29 @@ impl<'a> Fields<'a> {
         Some(bytes)
     }
 
+    /// Text, whose terminating zero byte some writers leave out where the text is empty.
     pub(crate) fn text(&mut self) -> Option<&'a str> {
-        std::str::from_utf8(self.bytes()?.strip_suffix(&[0])?).ok()
+        let bytes = self.bytes()?;
+        std::str::from_utf8(if bytes.is_empty() { bytes } else { bytes.strip_suffix(&[0])? }).ok()
+    }
+
+    /// Numbers without a preceding length: several fields in a row, or an array of fixed length.
+    pub(crate) fn f64s<const COUNT: usize>(&mut self) -> Option<[f64; COUNT]> {
+        let mut numbers = [0.0; COUNT];
+        for number in &mut numbers {
+            *number = self.f64()?;
+        }
+        Some(numbers)
     }
 
     fn number<const SIZE: usize>(&mut self) -> Option<[u8; SIZE]> {
         let from = self.at.next_multiple_of(SIZE);
         let bytes = self.bytes.get(from..from + SIZE)?;
         self.at = from + SIZE;
-        bytes.try_into().ok()
+        let mut bytes: [u8; SIZE] = bytes.try_into().ok()?;
+        if self.is_big_endian {
+            bytes.reverse();
+        }
+        Some(bytes)
     }
 }

@@ -80,7 +80,7 @@ impl RecordedEstimate {
 }
 
 /// The topic and the message of a reading. Of a camera reading this is the stamp; the image follows in a message of its own.
-pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
+pub(crate) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
     let message = Message::new().f64s(&[reading.measured_s(), reading.arrived_s()]);
     match reading {
         Reading::Wheels { ticks: [left, right], .. } => (WHEELS, message.i64(*left).i64(*right).finish()),

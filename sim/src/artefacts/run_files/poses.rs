@@ -12,6 +12,11 @@ pub(super) fn truth_tum(record: &RunRecord) -> String {
     tum(poses)
 }
 
+/// Poses with their times in the TUM format.
+pub(crate) fn poses_tum(poses: &[(f64, Pose)]) -> String {
+    tum(poses.iter().map(|(time_s, pose)| (*time_s, *pose, 0.0)))
+}
+
 /// Midpoints of the estimates' hulls in the TUM format; a hull is the smallest box around an estimate's boxes. A time at which no pose is left has no
 /// line.
 pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {

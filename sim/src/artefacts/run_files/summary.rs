@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
+use localizer::localizer::PoseWidth;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -120,13 +121,18 @@ impl<'a> Contradiction<'a> {
 /// What makes the width along each axis, on average over the key frames of a run: the part of each declared bound, that of the boxes of poses and
 /// landmarks (`boxes`), and that of what has no name (`rest`), less what is `saved` because least and greatest value follow from different readings.
 pub fn width_by_bound(record: &RunRecord) -> BTreeMap<&'static str, BTreeMap<&'static str, f64>> {
+    width_of(&record.widths)
+}
+
+/// What makes the width along each axis, as [`width_by_bound`] tells it, for the widths at key frames.
+pub(crate) fn width_of(widths: &[PoseWidth]) -> BTreeMap<&'static str, BTreeMap<&'static str, f64>> {
     let mut axes = BTreeMap::new();
-    for width in &record.widths {
+    for width in widths {
         for (axis, parts) in [("x_m", &width.x_m), ("y_m", &width.y_m), ("heading_rad", &width.heading_rad)] {
             let of_axis: &mut BTreeMap<_, f64> = axes.entry(axis).or_default();
             let others = [("boxes", parts.by_boxes), ("rest", parts.rest), ("saved", -parts.saved)];
             for (name, part) in parts.by_bound.iter().map(|(&bound, &part)| (bound, part)).chain(others) {
-                *of_axis.entry(name).or_default() += part / record.widths.len() as f64;
+                *of_axis.entry(name).or_default() += part / widths.len() as f64;
             }
         }
     }

@@ -1,0 +1,359 @@
+//! The messages of a log by what they are read as, with their stamps checked. Images are not kept: only their stamps are.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use localizer::{Pose, methods::gnss_positions::Position, reading::Camera};
+
+use super::{
+    account::Topic,
+    geodesy,
+    messages::{self, LensInfo},
+    source::RawMessage,
+    topics::Role,
+};
+use crate::scene::{Datum, Gnss, Log, Stamps, UpAxis};
+
+/// A value of a message with the message's times in nanoseconds, and its number among the messages of its topic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stamped<T> {
+    pub(super) stamp_ns: i64,
+    pub(super) logged_ns: i64,
+    pub(super) number: usize,
+    pub(super) value: T,
+}
+
+/// All that is read from a log, each list in the order of stamps after [`Gathered::check_stamps`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gathered {
+    /// Poses of odometry, in its own frame.
+    pub(super) odometry: Vec<Stamped<Pose>>,
+    /// Angles of the left and of the right wheel.
+    pub(super) joints: Vec<Stamped<[f64; 2]>>,
+    /// Turn rates about the vertical.
+    pub(super) rates: Vec<Stamped<f64>>,
+    /// Positions by satellite navigation, in the world frame.
+    pub(super) positions: Vec<Stamped<Position>>,
+    /// True poses as the log has them.
+    pub(super) truth: Vec<Stamped<Pose>>,
+    /// Images of each camera, of which the log is read again.
+    pub(super) images: BTreeMap<Camera, Vec<Stamped<()>>>,
+    /// What the first message about each camera's lens says.
+    pub(super) lenses: BTreeMap<Camera, LensInfo>,
+    /// For each topic, what became of its messages.
+    pub(super) topics: BTreeMap<String, Topic>,
+    /// The frame of the first message of each topic.
+    frames: BTreeMap<String, String>,
+    /// Latest time of logging so far.
+    latest_ns: Option<i64>,
+    /// Where and by how much the time of logging went back, from where the log is read no further.
+    pub(super) set_back: Option<SetBack>,
+}
+
+/// A place of a log at which the time of logging goes back.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SetBack {
+    pub(super) topic: String,
+    pub(super) logged_ns: i64,
+    pub(super) by_s: f64,
+}
+
+/// What a message gives, by its role.
+enum Value {
+    Odometry(Pose),
+    Joints([f64; 2]),
+    Rate(f64),
+    Position(Position),
+    Truth(Pose),
+    Image(Camera),
+    Lens(Camera, LensInfo),
+}
+
+/// What the robot's file says about reading messages.
+pub(super) struct Manner<'a> {
+    pub(super) keys: &'a Log,
+    pub(super) receiver: Option<&'a Gnss>,
+}
+
+impl Gathered {
+    /// Takes in a message of a topic that is read as `role`. Returns whether the log is to be read further.
+    pub(super) fn take(&mut self, message: RawMessage<'_>, role: Role, manner: &Manner<'_>) -> bool {
+        let tolerance_ns = (manner.keys.clock_tolerance_s * 1e9) as i64;
+        let latest_ns = self.latest_ns.map_or(message.logged_ns, |latest_ns| latest_ns.max(message.logged_ns));
+        if message.logged_ns < latest_ns.saturating_sub(tolerance_ns) {
+            let by_s = latest_ns.saturating_sub(message.logged_ns) as f64 * 1e-9;
+            self.set_back = Some(SetBack { topic: message.topic.to_owned(), logged_ns: latest_ns, by_s });
+            return false;
+        }
+        self.latest_ns = Some(latest_ns);
+        let topic = self.topics.entry(message.topic.to_owned()).or_default();
+        let number = topic.n_messages;
+        topic.n_messages += 1;
+        let read = self.read(message, role, manner);
+        match read {
+            Ok((stamp_ns, value)) => self.keep(stamp_ns, message.logged_ns, number, value),
+            Err((reason, detail)) => self.drop_one(message.topic, message.logged_ns, reason, detail),
+        }
+        true
+    }
+
+    fn drop_one(&mut self, topic: &str, logged_ns: i64, reason: &'static str, detail: String) {
+        self.topics.entry(topic.to_owned()).or_default().account.drop_one(reason, logged_ns, detail);
+    }
+
+    /// The stamp and the value of a message, or why it is dropped.
+    fn read(
+        &mut self,
+        message: RawMessage<'_>,
+        role: Role,
+        manner: &Manner<'_>,
+    ) -> Result<(i64, Value), (&'static str, String)> {
+        if message.encoding != "cdr" {
+            return Err(("its encoding is not read", format!("`{}`, expected `cdr`", message.encoding)));
+        }
+        let short = || ("it does not decode", format!("{} bytes are no {}", message.data.len(), message.kind));
+        let (header, value) = match role {
+            Role::Odometry | Role::Truth => {
+                let decoded = match message.kind {
+                    "nav_msgs/Odometry" => messages::odometry(message.data),
+                    _ => messages::pose_stamped(message.data),
+                };
+                let (header, pose) = decoded.ok_or_else(short)?;
+                let numbers = pose.position_m.iter().chain(&pose.attitude);
+                finite(numbers)?;
+                let planar = pose
+                    .planar()
+                    .ok_or_else(|| ("its attitude is no unit quaternion", format!("{:?}", pose.attitude)))?;
+                (header, if role == Role::Truth { Value::Truth(planar) } else { Value::Odometry(planar) })
+            }
+            Role::Joints => {
+                let (header, joints) = messages::joint_state(message.data).ok_or_else(short)?;
+                (header, Value::Joints(wheels_of(&joints, manner.keys)?))
+            }
+            Role::Imu => {
+                let (header, rates) = messages::imu(message.data).ok_or_else(short)?;
+                let rates =
+                    rates.ok_or_else(|| ("it measures no turn rate", "its covariance begins with −1".to_owned()))?;
+                finite(&rates)?;
+                (header, Value::Rate(about_vertical(rates, manner.keys.imu.up)))
+            }
+            Role::Gnss => {
+                let (header, fix) = messages::satellite_fix(message.data).ok_or_else(short)?;
+                let datum = manner.keys.gnss.as_ref().zip(manner.receiver);
+                let (datum, receiver) = datum.ok_or_else(short)?;
+                (header, Value::Position(position(&fix, datum, receiver)?))
+            }
+            Role::Image(camera) => (messages::header(message.data).ok_or_else(short)?, Value::Image(camera)),
+            Role::CameraInfo(camera) => {
+                let (header, lens) = messages::camera_info(message.data).ok_or_else(short)?;
+                finite(lens.focal_px.iter().chain(&lens.principal_point_px).chain(&lens.distortion))?;
+                (header, Value::Lens(camera, lens))
+            }
+        };
+        let frame = self.frames.entry(message.topic.to_owned()).or_insert_with(|| header.frame.clone());
+        if *frame != header.frame {
+            return Err((
+                "its frame is another one",
+                format!("`{}`, where the first message has `{frame}`", header.frame),
+            ));
+        }
+        let stamp_ns = match manner.keys.stamps {
+            Stamps::Header => header.stamp_ns,
+            Stamps::LogTime => message.logged_ns,
+        };
+        Ok((stamp_ns, value))
+    }
+
+    fn keep(&mut self, stamp_ns: i64, logged_ns: i64, number: usize, value: Value) {
+        macro_rules! stamped {
+            ($value:expr) => {
+                Stamped { stamp_ns, logged_ns, number, value: $value }
+            };
+        }
+        match value {
+            Value::Odometry(pose) => self.odometry.push(stamped!(pose)),
+            Value::Joints(angles_rad) => self.joints.push(stamped!(angles_rad)),
+            Value::Rate(rate_rad_per_s) => self.rates.push(stamped!(rate_rad_per_s)),
+            Value::Position(position) => self.positions.push(stamped!(position)),
+            Value::Truth(pose) => self.truth.push(stamped!(pose)),
+            Value::Image(camera) => self.images.entry(camera).or_default().push(stamped!(())),
+            Value::Lens(camera, lens) => {
+                self.lenses.entry(camera).or_insert(lens);
+            }
+        }
+    }
+
+    /// Puts every list into the order of stamps, and drops messages with false stamps and repeated ones. `roles` are the topics that are read.
+    pub(super) fn check_stamps(&mut self, roles: &BTreeMap<String, Role>, keys: &Log) {
+        for (name, role) in roles {
+            let mut topic = self.topics.remove(name).unwrap_or_default();
+            match role {
+                Role::Odometry => check(&mut self.odometry, &mut topic, keys),
+                Role::Joints => check(&mut self.joints, &mut topic, keys),
+                Role::Imu => check(&mut self.rates, &mut topic, keys),
+                Role::Gnss => check(&mut self.positions, &mut topic, keys),
+                Role::Truth => check(&mut self.truth, &mut topic, keys),
+                Role::Image(camera) => check(self.images.entry(*camera).or_default(), &mut topic, keys),
+                Role::CameraInfo(_) => {}
+            }
+            topic.role = Some(*role);
+            self.topics.insert(name.clone(), topic);
+        }
+    }
+}
+
+/// Drops the values of a topic whose stamps are false or repeated, sorts the others by their stamps, and notes what is known of the topic's times.
+fn check<T>(values: &mut Vec<Stamped<T>>, topic: &mut Topic, keys: &Log) {
+    let delay_ns = |value: &Stamped<T>| value.logged_ns.saturating_sub(value.stamp_ns);
+    let mut delays_ns: Vec<i64> = values.iter().map(delay_ns).collect();
+    delays_ns.sort_unstable();
+    let Some(&usual_ns) = delays_ns.get(delays_ns.len() / 2) else { return };
+    topic.delay_ns = Some(usual_ns);
+    let tolerance_ns = (keys.clock_tolerance_s * 1e9) as i64;
+    let Topic { account, n_out_of_order, .. } = topic;
+    values.retain(|value| {
+        let off_ns = delay_ns(value).saturating_sub(usual_ns);
+        let is_kept = off_ns.saturating_abs() <= tolerance_ns;
+        if !is_kept {
+            let detail = format!(
+                "its stamp is off by {:.3} s from the time of logging, more than clock_tolerance_s",
+                -off_ns as f64 * 1e-9
+            );
+            account.drop_one("its stamp is false", value.logged_ns, detail);
+        }
+        is_kept
+    });
+    *n_out_of_order = values.windows(2).filter(|pair| pair[1].stamp_ns < pair[0].stamp_ns).count();
+    values.sort_by_key(|value| value.stamp_ns);
+    let mut stamps = BTreeSet::new();
+    values.retain(|value| {
+        let is_new = stamps.insert(value.stamp_ns);
+        if !is_new {
+            account.drop_one("its stamp is that of another message", value.logged_ns, String::new());
+        }
+        is_new
+    });
+    topic.note_times(&values.iter().map(|value| value.stamp_ns).collect::<Vec<_>>(), keys.longest_gap_s);
+}
+
+fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Result<(), (&'static str, String)> {
+    match numbers.into_iter().find(|number| !number.is_finite()) {
+        Some(number) => Err(("a number in it is not finite", number.to_string())),
+        None => Ok(()),
+    }
+}
+
+/// The angles of the two wheels among those of all joints.
+fn wheels_of(joints: &[(String, f64)], keys: &Log) -> Result<[f64; 2], (&'static str, String)> {
+    let angle = |name: &String| joints.iter().find(|(joint, _)| joint == name).map(|(_, angle_rad)| *angle_rad);
+    let (Some(left), Some(right)) = (angle(&keys.joints.left), angle(&keys.joints.right)) else {
+        let names: Vec<String> = joints.iter().map(|(joint, _)| format!("`{joint}`")).collect();
+        let detail = format!("`{}` and `{}` are not among {}", keys.joints.left, keys.joints.right, names.join(", "));
+        return Err(("it has no position of the wheels' joints", detail));
+    };
+    finite(&[left, right])?;
+    Ok([left, right])
+}
+
+fn about_vertical([x, y, z]: [f64; 3], up: UpAxis) -> f64 {
+    match up {
+        UpAxis::X => x,
+        UpAxis::Y => y,
+        UpAxis::Z => z,
+        UpAxis::MinusX => -x,
+        UpAxis::MinusY => -y,
+        UpAxis::MinusZ => -z,
+    }
+}
+
+/// The position in the world of a satellite fix, and whether it is as good as one with resolved ambiguities.
+fn position(fix: &messages::SatelliteFix, datum: &Datum, receiver: &Gnss) -> Result<Position, (&'static str, String)> {
+    if fix.status < 0 {
+        return Err(("it has no fix", format!("its status is {}", fix.status)));
+    }
+    finite(&[fix.latitude_deg, fix.longitude_deg, fix.altitude_m])?;
+    // By the definition of the message, 2 stands for corrections from the ground, by which receivers resolve ambiguities.
+    let is_fixed = fix.status == 2;
+    let declared_m = if is_fixed { receiver.fixed_tolerance_m } else { receiver.floating_tolerance_m };
+    if let Some(covariance_m2) = fix.covariance_m2.filter(|_| datum.sigmas > 0.0) {
+        finite(&covariance_m2)?;
+        let allowed_m = datum.sigmas * covariance_m2[0].max(covariance_m2[4]).max(0.0).sqrt();
+        if allowed_m > declared_m {
+            let detail =
+                format!("{} standard deviations are {allowed_m:.3} m, where {declared_m} m are declared", datum.sigmas);
+            return Err(("its covariance allows more than is declared", detail));
+        }
+    }
+    let at_m = geodesy::world_m(datum, fix.latitude_deg, fix.longitude_deg, fix.altitude_m);
+    Ok(Position { at_m, is_fixed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A `geometry_msgs/PoseStamped` at this stamp, with the frame `f` and the pose (0, 0, 0), in CDR by hand.
+    fn pose_message(stamp_s: i32) -> Vec<u8> {
+        let mut bytes = vec![0, 1, 0, 0];
+        bytes.extend(stamp_s.to_le_bytes());
+        bytes.extend([0, 0, 0, 0, 2, 0, 0, 0, b'f', 0, 0, 0]);
+        let numbers = [0.0_f64, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        bytes
+    }
+
+    /// What is gathered of poses with these stamps and times of logging, in seconds.
+    fn gathered(times_s: &[(i32, i64)]) -> Gathered {
+        let keys = Log { clock_tolerance_s: 1.5, ..Log::default() };
+        let mut gathered = Gathered::default();
+        for (stamp_s, logged_s) in times_s {
+            let (data, logged_ns) = (pose_message(*stamp_s), logged_s * 1_000_000_000);
+            let kind = "geometry_msgs/PoseStamped";
+            let message = RawMessage { topic: "/t", kind, encoding: "cdr", logged_ns, data: &data };
+            if !gathered.take(message, Role::Truth, &Manner { keys: &keys, receiver: None }) {
+                break;
+            }
+        }
+        gathered.check_stamps(&BTreeMap::from([("/t".to_owned(), Role::Truth)]), &keys);
+        gathered
+    }
+
+    fn stamps_s(gathered: &Gathered) -> Vec<i64> {
+        gathered.truth.iter().map(|one| one.stamp_ns / 1_000_000_000).collect()
+    }
+
+    #[test]
+    fn where_the_time_of_logging_goes_back_the_log_ends() {
+        let gathered = gathered(&[(1, 101), (2, 102), (3, 103), (4, 99), (5, 100)]);
+        assert_eq!(stamps_s(&gathered), [1, 2, 3]);
+        let set_back = SetBack { topic: "/t".to_owned(), logged_ns: 103_000_000_000, by_s: 4.0 };
+        assert_eq!(gathered.set_back, Some(set_back));
+    }
+
+    #[test]
+    fn another_clock_is_no_false_stamp_but_one_that_jumps_is() {
+        // The clock of the stamps is 100 s behind; one stamp is 50 s off, and one message came late but in time.
+        let gathered = gathered(&[(1, 101), (52, 102), (4, 104), (3, 104), (5, 105)]);
+        assert_eq!(stamps_s(&gathered), [1, 3, 4, 5]);
+        let topic = &gathered.topics["/t"];
+        assert_eq!((topic.n_messages, topic.account.n_dropped(), topic.n_out_of_order), (5, 1, 1));
+        assert_eq!(topic.account.dropped["its stamp is false"].logged_ns, [102_000_000_000; 2]);
+    }
+
+    #[test]
+    fn a_position_whose_covariance_allows_more_than_is_declared_is_none() {
+        let datum = Datum { latitude_deg: 45.0, longitude_deg: 9.0, altitude_m: 0.0, x_axis_deg: 0.0, sigmas: 3.0 };
+        let receiver = Gnss { fixed_tolerance_m: 0.03, floating_tolerance_m: 0.6, ..Gnss::default() };
+        let of = |status: i8, deviation_m: f64| {
+            let mut covariance_m2 = [0.0; 9];
+            covariance_m2[4] = deviation_m * deviation_m;
+            let (latitude_deg, longitude_deg) = (45.0, 9.0);
+            let covariance_m2 = Some(covariance_m2);
+            messages::SatelliteFix { status, latitude_deg, longitude_deg, altitude_m: 0.0, covariance_m2 }
+        };
+        let is_used = |status, deviation_m| position(&of(status, deviation_m), &datum, &receiver).is_ok();
+        assert!(
+            is_used(2, 0.0099) && !is_used(2, 0.0101) && is_used(0, 0.0101) && !is_used(0, 0.21) && !is_used(-1, 0.0)
+        );
+        assert!(!is_used(2, f64::NAN));
+    }
+}
