@@ -7,7 +7,7 @@ use interval::{
 
 use super::{Related, Variable, width::WidthParts};
 
-/// Steps of the solver at a time. A program takes some twelve, so that eight programs are solved within sixteen wheel readings. With four at a time,
+/// Steps of the solver at a time. A program takes some fifteen, so that eight programs are solved within sixteen wheel readings. With four at a time,
 /// the bounds came later, and the boxes of paper 3's loop were 74.8 mm wide in place of 72.4 (seed 0).
 const AT_ONCE: usize = 8;
 
