@@ -8,6 +8,8 @@ use crate::{
     PoseBox, RobotModel, bounds, bounds::Assumption, markers::MarkerId, reading::LandmarkId, robot::cayley_radius,
 };
 
+use super::Stray;
+
 /// A quantity that the rows of the graph relate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Variable {
@@ -19,7 +21,7 @@ pub enum Variable {
     GyroAngle(usize),
     /// Error of the flow sensor's place by its counts at a key frame, along world x (0) or y (1).
     FlowPlace(usize, usize),
-    /// Distance by which everything that the reading at a key frame shows is displaced in common, along world x (0) or y (1).
+    /// What the pose that the reading at a key frame shows is displaced from the pose at its stamp: along world x (0), along y (1), or in heading (2).
     Shift(usize, usize),
     /// Lean of the body at a key frame, as a component of its Cayley vector along x (0) or y (1) of the robot frame.
     BodyTilt(usize, usize),
@@ -215,12 +217,12 @@ impl Domain {
         (0..3).for_each(|axis| self.put(Variable::Pose(frame, axis), pose[axis]));
     }
 
-    /// The same domain with the positions at a key frame widened by a distance in any direction; their reference values stay.
-    pub fn displaced(&self, frame: usize, by_m: f64) -> Domain {
+    /// The same domain with the pose at a key frame widened by a distance in any direction and by a turn; its reference values stay.
+    pub fn displaced(&self, frame: usize, by: &Stray) -> Domain {
         let mut displaced = self.clone();
-        for axis in 0..2 {
+        for axis in 0..3 {
             if let Some((_, value)) = displaced.values.get_mut(&Variable::Pose(frame, axis)) {
-                *value = value.inflate(by_m);
+                *value = value.inflate(by.of_axis(axis));
             }
         }
         displaced

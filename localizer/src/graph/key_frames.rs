@@ -201,9 +201,11 @@ impl KeyFrames {
 }
 
 impl KeyFrame {
-    /// How far what a reading shows may be displaced altogether.
-    fn shift_m(&self) -> f64 {
-        self.relations.as_ref().map_or(0.0, |relations| relations.shift_m(&self.stray))
+    /// How far the pose that a reading shows may be from the pose at its stamp.
+    fn displaced(&self) -> Stray {
+        let of_reading =
+            |relations: &Arc<dyn Relations>| Stray { metres: relations.shift_m(&self.stray), ..self.stray };
+        self.relations.as_ref().map_or(Stray::default(), of_reading)
     }
 }
 

@@ -15,7 +15,7 @@ use interval::Interval;
 use crate::bounds::Assumption;
 
 use super::{
-    Constant, Domain, Row, Stray, Variable,
+    Constant, Domain, Row, Variable,
     row::{axes, cosine_rest, dot, sine_rest},
 };
 
@@ -50,8 +50,6 @@ pub struct PlaceAt<'a> {
     /// The place at the reference values of the quantities, and over their boxes with all noise.
     at_reference_m: [Interval; 2],
     over_box_m: [Interval; 2],
-    /// Greatest turn of the picture about the vertical beside ψ.
-    turn_rad: f64,
 }
 
 impl SeenPlace {
@@ -77,8 +75,8 @@ impl SeenPlace {
         self.terms.push((Variable::Constant(self.yaw.0), self.yaw.1, by_yaw));
     }
 
-    /// The point at a key frame. `stray` bounds the robot's motion within the error of the reading's stamp.
-    pub fn at<'a>(&'a self, frame: usize, stray: &Stray, domain: &'a Domain) -> PlaceAt<'a> {
+    /// The point at a key frame, whose pose in the domain is that of the picture.
+    pub fn at<'a>(&'a self, frame: usize, domain: &'a Domain) -> PlaceAt<'a> {
         let (heading, yaw) = (Variable::Pose(frame, 2), Variable::Constant(self.yaw.0));
         let psi = Interval::point(domain.reference(heading)) + domain.reference(yaw) - self.yaw.1;
         let (mut at_reference_m, mut over_box_m) = (self.middle_m, self.middle_m);
@@ -102,7 +100,6 @@ impl SeenPlace {
             delta: domain.deviation(heading) + domain.deviation(yaw),
             at_reference_m,
             over_box_m,
-            turn_rad: self.turn_rad + stray.radians,
         }
     }
 }
@@ -160,6 +157,6 @@ impl PlaceAt<'_> {
 
     /// Greatest distance by which turns beside ψ move the point: a chord is shorter than its arc.
     fn blur_m(&self) -> f64 {
-        (self.over_box_m[0].hypot(self.over_box_m[1]) * self.turn_rad).hi()
+        (self.over_box_m[0].hypot(self.over_box_m[1]) * self.seen.turn_rad).hi()
     }
 }

@@ -37,13 +37,13 @@ pub trait Relations: Send + Sync {
     fn stamp_error_s(&self) -> f64;
 
     /// Greatest horizontal distance by which everything that the reading shows is displaced in common, such as by the motion within the stamp's
-    /// error. The rows hold for the robot's position plus a displacement by at most that distance, and the domain that they are made with has the
-    /// displaced position.
+    /// error, which `stray` bounds.
     fn shift_m(&self, stray: &Stray) -> f64;
 
-    /// The rows of the reading at the key frame with the given number. `stray` bounds the robot's motion within the stamp's error. The domain has the
-    /// pose of that key frame, the constants of the robot, and the reading's quantities; rows of a landmark that the domain does not have are left out.
-    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row>;
+    /// The rows of the reading at the key frame with the given number. The domain has the pose of that key frame, the constants of the robot, and the
+    /// reading's quantities; rows of a landmark that the domain does not have are left out. The pose is that which the reading shows: it is displaced
+    /// from the pose at the stamp by at most [`Relations::shift_m`], and turned by what the robot turns within the stamp's error.
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row>;
 }
 
 /// How far the robot can have moved and turned between the stamp of a reading and the instant at which the reading was truly taken.
@@ -56,6 +56,11 @@ pub struct Stray {
 }
 
 impl Stray {
+    /// The greatest change of a component of the pose: x (0), y (1) or heading (2).
+    pub fn of_axis(&self, axis: usize) -> f64 {
+        if axis < 2 { self.metres } else { self.radians }
+    }
+
     /// What the robot's limits of speed and turn rate allow within a stamp's error.
     pub fn by_reach(stamp_error_s: f64, reach: &Reach) -> Stray {
         Stray { metres: stamp_error_s * reach.speed_m_per_s, radians: stamp_error_s * reach.turn_rate_rad_per_s }

@@ -1,8 +1,8 @@
 //! Rows of a landmark's sighting by a range camera.
 //!
-//! Let P and θ be the robot's position and heading at the stamp, L the landmark, a the place of the camera's first view in the robot frame, φ = θ +
+//! Let P and θ be the robot's position and heading at the exposure, L the landmark, a the place of the camera's first view in the robot frame, φ = θ +
 //! yaw the direction of its optical axis, e = (cos φ, sin φ) and r the unit vector to the right of e. With D = L − P − R(θ)·a, the landmark is X =
-//! r·D to the right and Z = e·D ahead, but for what tilts and the stamp's error move it, at most a known distance (`blur`).
+//! r·D to the right and Z = e·D ahead, but for what tilts move it, at most a known distance (`blur`).
 //!
 //! The sighting says f·X = u·Z and f·(X − b) = w·Z, with columns u and w counted from the optical axis. For a measured column ū the vectors
 //! n = (f₀ r − ū e)/N and m = (ū r + f₀ e)/N, N = √(f₀² + ū²), are across the ray and along it. For φ = φ₀ + δ, with n₀ = n at φ₀,
@@ -23,7 +23,7 @@ use super::{
 };
 
 /// The rows of a sighting at key frame number `frame`: across the ray of the first view, across that of the second, and in depth. None where the
-/// disparity may be 0. `blur_m` is the greatest distance by which tilts and the stamp's error move the landmark in the robot frame.
+/// disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame.
 pub fn sighting_rows(
     camera: &RangeCameraModel,
     blur_m: f64,
@@ -59,7 +59,7 @@ struct Sight<'a> {
     /// Columns of the first and the second view, counted from the optical axis.
     columns_px: [Interval; 2],
     baseline_m: Interval,
-    /// Depth and place to the right at which the columns put the landmark, without tilts and the stamp's error.
+    /// Depth and place to the right at which the columns put the landmark, without tilts.
     depth_m: Interval,
     right_m: Interval,
     blur_m: Interval,

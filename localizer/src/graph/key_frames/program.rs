@@ -59,10 +59,9 @@ impl KeyFrames {
         let mut named: BTreeMap<Variable, (usize, Interval)> = known.collect();
         for frame in &self.frames {
             domain.put_pose(frame.number, &frame.pose);
-            let shift_m = frame.shift_m();
-            if shift_m > 0.0 {
-                (0..2)
-                    .for_each(|axis| domain.put(Variable::Shift(frame.number, axis), Interval::centred(0.0, shift_m)));
+            let displaced = frame.displaced();
+            for axis in (0..3).filter(|&axis| displaced.of_axis(axis) > 0.0) {
+                domain.put(Variable::Shift(frame.number, axis), Interval::centred(0.0, displaced.of_axis(axis)));
             }
             let quantities = frame.relations.iter().flat_map(|one| one.quantities(frame.number, &frame.pose));
             for (variable, value) in quantities {
@@ -95,7 +94,7 @@ impl KeyFrames {
     /// |a ± b| ≤ √2·r.
     fn disc_rows(&self, named: &BTreeSet<Variable>, domain: &Domain) -> Vec<Row> {
         let of_readings = self.frames.iter().flat_map(|frame| {
-            let shift = ([0, 1].map(|axis| Variable::Shift(frame.number, axis)), frame.shift_m());
+            let shift = ([0, 1].map(|axis| Variable::Shift(frame.number, axis)), frame.displaced().metres);
             let shift = Some(shift).filter(|&(_, shift_m)| shift_m > 0.0);
             frame.relations.iter().flat_map(|relations| relations.discs(frame.number)).chain(shift)
         });
@@ -150,14 +149,11 @@ impl KeyFrame {
     /// The rows of the reading at the key frame.
     fn rows(&self, domain: &Domain) -> Vec<Row> {
         let Some(relations) = &self.relations else { return Vec::new() };
-        let shift_m = self.shift_m();
-        if shift_m == 0.0 {
-            return relations.rows(self.number, &self.stray, domain);
-        }
-        let mut rows = relations.rows(self.number, &self.stray, &domain.displaced(self.number, shift_m));
-        // The rows hold for the displaced position, which is the sum of the position and the displacement.
+        let displaced = self.displaced();
+        let mut rows = relations.rows(self.number, &domain.displaced(self.number, &displaced));
+        // The rows hold for the displaced pose, which is the sum of the pose and the displacement.
         for row in &mut rows {
-            for axis in 0..2 {
+            for axis in (0..3).filter(|&axis| displaced.of_axis(axis) > 0.0) {
                 match row.coefficient(Variable::Pose(self.number, axis)) {
                     0.0 => {}
                     coefficient => row.terms.push((Variable::Shift(self.number, axis), coefficient)),

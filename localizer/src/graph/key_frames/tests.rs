@@ -54,8 +54,11 @@ fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_wh
     }
 }
 
-/// A reading of the position, displaced by at most 1 cm.
-struct Displaced([f64; 2]);
+/// The greatest displacement and turn between a pose that is read and the pose at its stamp.
+const OFF: Stray = Stray { metres: 0.01, radians: 0.005 };
+
+/// A reading of the pose, displaced and turned.
+struct Displaced([f64; 3]);
 
 impl Relations for Displaced {
     fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {
@@ -66,17 +69,17 @@ impl Relations for Displaced {
         0.0
     }
 
-    fn shift_m(&self, _stray: &Stray) -> f64 {
-        0.01
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        stray.metres
     }
 
-    fn rows(&self, frame: usize, _stray: &Stray, domain: &Domain) -> Vec<Row> {
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let row = |axis: usize| {
             let position = Variable::Pose(frame, axis);
             let sides = Interval::point(self.0[axis]) - domain.reference(position);
             Row::new(domain, &[(position, Interval::ONE)], sides.inflate(1e-4))
         };
-        vec![row(0), row(1)]
+        vec![row(0), row(1), row(2)]
     }
 }
 
@@ -86,23 +89,25 @@ fn what_displaces_a_reading_displaces_neither_the_pose_nor_the_way() {
     for round in 0..20 {
         let drive = Drive::new(&mut draw, true, 1.0, 2);
         let history = drive.history(true);
-        let displaced =
-            |truth: &[f64; 3], course: f64| [truth[0] + 0.01 * course.cos(), truth[1] + 0.01 * course.sin()];
+        let displaced = |truth: &[f64; 3], course: f64| {
+            let [x, y] = [course.cos(), course.sin()].map(|part| OFF.metres * part);
+            [truth[0] + x, truth[1] + y, truth[2] + OFF.radians * course.signum()]
+        };
         let courses = [0, 1].map(|_| draw.between(-3.2, 3.2));
-        // The bounds with readings of the position at both key frames, and those by the way alone.
+        // The bounds with readings of the pose at both key frames, and those by the way alone.
         let widths = [true, false].map(|is_read| {
             let mut frames = KeyFrames::new(&robot());
             for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate() {
                 let read = Displaced(displaced(truth, courses[at]));
-                // The first position is known to 1 mm, the second one to 0.1 m.
-                let half_m = if at == 0 { 0.001 } else { 0.1 };
-                let pose = [half_m, half_m, 0.001];
+                // The first pose is known to 1 mm and 1 mrad, the second one to 0.1 m and 20 mrad.
+                let (half_m, half_rad) = if at == 0 { (0.001, 0.001) } else { (0.1, 0.02) };
+                let pose = [half_m, half_m, half_rad];
                 let pose = IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], pose[axis])));
-                frames.push(stamp_s, pose, Stray::default(), is_read.then(|| Arc::new(read) as _));
+                frames.push(stamp_s, pose, OFF, is_read.then(|| Arc::new(read) as _));
             }
             let [from_s, to_s] = frames.span_before_latest_s().unwrap();
             let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
-            frames.set_latest(None, flow, Stray::default());
+            frames.set_latest(None, flow, OFF);
             let number = frames.latest_number();
             let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
             let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);
@@ -111,9 +116,12 @@ fn what_displaces_a_reading_displaces_neither_the_pose_nor_the_way() {
             for (bound, truth) in bounds.iter().zip(drive.poses[1]) {
                 assert!(bound.inflate(1e-9).contains(truth), "round {round}: {truth} not in {bound}");
             }
-            bounds[0].width().max(bounds[1].width())
+            [bounds[0].width().max(bounds[1].width()), bounds[2].width()]
         });
-        // The solver stops at 1e-5 of the width of the box before, which is 0.2 m.
-        assert!(widths[0] <= widths[1].min(0.0202) + 2e-6, "round {round}: {widths:?}");
+        // The solver stops at 1e-5 of the width of the box before, which is 0.2 m and 40 mrad.
+        let read = [2.0 * (OFF.metres + 1e-4), 2.0 * (OFF.radians + 1e-4)];
+        for of in 0..2 {
+            assert!(widths[0][of] <= widths[1][of].min(read[of]) + 2e-6, "round {round}: {widths:?}");
+        }
     }
 }

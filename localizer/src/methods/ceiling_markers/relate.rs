@@ -86,11 +86,11 @@ impl Relations for Dots {
         stray.metres
     }
 
-    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let mut rows = Vec::new();
         for marker in &self.markers {
             for (in_world_m, slack_m, place) in &marker.dots {
-                let seen = place.at(frame, stray, domain);
+                let seen = place.at(frame, domain);
                 for direction in seen.axes() {
                     let placed = [0, 1].map(|axis| {
                         let variable = Variable::Marker(marker.placed.id, axis);
@@ -176,7 +176,6 @@ mod tests {
             };
             let (placement_m, slack_m, bound_px) =
                 (half(0.004, &mut draw), half(0.0005, &mut draw), draw.or_zero(0.2) + 1e-9);
-            let stray = Stray { metres: 0.002, radians: draw.or_zero(0.001) };
 
             // The truth.
             let mut truth = BTreeMap::new();
@@ -206,9 +205,8 @@ mod tests {
             });
             let heave = draw.within(Interval::centred(0.0, robot.body.heave_m));
             let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), draw.between(-PI, PI)) * body;
-            // The heading is that of the forward axis at the stamp, from which the robot turns on until the exposure.
             let forward = turned * Vector3::x();
-            let heading = forward.y.atan2(forward.x) - draw.within(Interval::centred(0.0, stray.radians));
+            let heading = forward.y.atan2(forward.x);
             let at = [0, 1].map(|k| placed.centre_m[k] + draw.between(-0.9, 0.9));
             (0..2).for_each(|k| {
                 set(Variable::Pose(4, k), at[k]);
@@ -245,7 +243,7 @@ mod tests {
                 let true_value = truth.get(&variable).copied().unwrap_or(value.mid());
                 assert!(value.inflate(1e-12).contains(true_value), "{variable:?}: {true_value} {value}");
             }
-            let rows = dots.rows(4, &stray, &domain);
+            let rows = dots.rows(4, &domain);
             assert_eq!(rows.len(), 2);
             for row in rows {
                 let value = row.value_at(|variable| truth[&variable] - domain.reference(variable));

@@ -63,7 +63,7 @@ impl Joints {
         let stray = Stray::by_reach(geometry.camera.stamp_error_s, &geometry.robot.reach);
         let mut domain = Domain::of_constants(&geometry.robot);
         domain.put_pose(frame, pose);
-        let mut domain = domain.displaced(frame, stray.metres);
+        let mut domain = domain.displaced(frame, &stray);
         let tilt = Interval::centred(0.0, body_radius(geometry));
         (0..2).for_each(|axis| domain.put(Variable::BodyTilt(frame, axis), tilt));
         let name = |line: &Line| {
@@ -72,7 +72,7 @@ impl Joints {
             let ends = line.along_px.map(|at_px| floor_place(&line.set, at_px, geometry));
             let [Some(first_end), Some(last_end)] = ends else { return None };
             let number = |end: &SeenPlace| {
-                let along_m = end.at(frame, &stray, &domain).along(geometry.normal(axis));
+                let along_m = end.at(frame, &domain).along(geometry.normal(axis));
                 let grid = &geometry.grid;
                 let number = (along_m.inflate(grid.laying_m) - grid.phase_m[axis]) / grid.edge_m[axis];
                 let (least, most) = (number.lo().ceil(), number.hi().floor());
@@ -117,14 +117,14 @@ impl Relations for Joints {
         stray.metres
     }
 
-    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let grid = &self.geometry.grid;
         let mut rows = Vec::new();
         for &NamedJoint { axis, number, ref ends } in self.named.get().into_iter().flatten() {
             let normal = self.geometry.normal(axis);
             let place_m = Interval::point(grid.edge_m[axis]) * (number as f64) + grid.phase_m[axis];
             for end in ends {
-                let seen = end.at(frame, stray, domain);
+                let seen = end.at(frame, domain);
                 // Share of the way from the joint's first end to its last one at which the point lies.
                 let share = self.geometry.share_of_joint(axis, seen.along(self.geometry.normal(1 - axis)));
                 let ends = [0, 1].map(|end| Variable::JointEnd(axis, number, end));
@@ -204,7 +204,7 @@ mod tests {
             geometry.grid.laying_m = draw.or_zero(0.003);
             geometry.grid.rotation_rad = draw.or_zero(0.4);
             geometry.grid.laying_angle_rad = geometry.grid.laying_m / 10.0;
-            let (camera, stray) = (geometry.camera.clone(), Stray { metres: 0.0, radians: draw.or_zero(0.001) });
+            let camera = geometry.camera.clone();
 
             // The truth.
             let mut truth = BTreeMap::new();
@@ -226,7 +226,7 @@ mod tests {
             set(Variable::BodyTilt(4, 1), cos * cayley[1] - sin * cayley[0]);
             let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), draw.between(-PI, PI)) * body;
             let forward = turned * Vector3::x();
-            set(Variable::Pose(4, 2), forward.y.atan2(forward.x) - draw.within(Interval::centred(0.0, stray.radians)));
+            set(Variable::Pose(4, 2), forward.y.atan2(forward.x));
             let at = [0, 1].map(|k| set(Variable::Pose(4, k), draw.between(-3.0, 3.0)));
             let heave = draw.within(Interval::centred(0.0, robot.body.heave_m));
             let eye = Vector3::new(at[0], at[1], heave) + turned * Vector3::new(mount[0], mount[1], HEIGHT_M);
@@ -282,7 +282,7 @@ mod tests {
                 let true_value = if is_of_wheels { value.mid() } else { truth[&variable] };
                 assert!(value.inflate(1e-12).contains(true_value), "{variable:?}: {true_value} {value}");
             }
-            for row in joints.rows(4, &stray, &domain) {
+            for row in joints.rows(4, &domain) {
                 let value = row.value_at(|variable| truth[&variable] - domain.reference(variable));
                 assert!(row.sides.inflate(1e-9).contains(value), "round {round}: {value} {}", row.sides);
                 nearest = nearest.max((value - row.sides.mid()).abs() / row.sides.radius());

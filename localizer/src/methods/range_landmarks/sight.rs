@@ -101,7 +101,9 @@ impl Sensor {
     /// Greatest distance by which tilts and stamp error move a landmark in the robot frame, in any direction. `stray` bounds the robot's motion
     /// within the stamp's error.
     fn displacement(&self, in_view: [Interval; 2], stray: &Stray) -> Option<f64> {
-        Some((self.own_displacement(in_view, stray)? + self.shift_m(stray)) * ABOVE)
+        let tilted_m = self.tilt_displacement(in_view)?;
+        let away_m = length(self.camera.position_m) + length(in_view) + tilted_m + self.shift_m(&Stray::default());
+        Some((tilted_m + stray.radians * away_m + self.shift_m(stray)) * ABOVE)
     }
 
     /// Greatest distance by which tilts and stamp error displace all landmarks in common: the robot moves, and the mount moves with the body's tilt.
@@ -110,8 +112,8 @@ impl Sensor {
         (camera.height_m * tilt_rad.sin() + length(camera.position_m) * tilt_rad * tilt_rad + stray.metres) * ABOVE
     }
 
-    /// Greatest distance by which tilts and stamp error move a landmark in the robot frame beside what they displace all landmarks in common.
-    fn own_displacement(&self, in_view: [Interval; 2], stray: &Stray) -> Option<f64> {
+    /// Greatest distance by which tilts move a landmark in the robot frame beside what they displace all landmarks in common.
+    fn tilt_displacement(&self, in_view: [Interval; 2]) -> Option<f64> {
         let (camera, body) = (&self.camera, &self.body);
         let tilt_rad = body.tilt_rad + camera.tilt_rad;
         if tilt_rad > MOST_TILT_RAD {
@@ -120,11 +122,7 @@ impl Sensor {
         let raised_m = camera.height_span_m * tilt_rad.sin();
         // The measured length is that of the tilted vector: r ≤ r′ + H sin τ + r τ².
         let range_m = (length(in_view) + raised_m) / (1.0 - tilt_rad * tilt_rad);
-        let arm_m = length(camera.position_m);
-        let tilted_m = raised_m + range_m * tilt_rad * tilt_rad;
-        let mount_m = camera.height_m * body.tilt_rad.sin() + arm_m * body.tilt_rad * body.tilt_rad;
-        let away_m = arm_m + range_m + mount_m;
-        Some((tilted_m + stray.radians * away_m) * ABOVE)
+        Some((raised_m + range_m * tilt_rad * tilt_rad) * ABOVE)
     }
 }
 
@@ -192,20 +190,17 @@ impl Relations for Sightings {
         self.sensor.shift_m(stray)
     }
 
-    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let is_known =
             |seen: &Seen| (0..2).all(|axis| !domain.value(Variable::Landmark(seen.landmark, axis)).is_empty());
         let rows = |sighted: &Sighted| {
-            let blur_m = self.sensor.own_displacement(sighted.in_view, stray)?;
-            let tilted_m = self.sensor.own_displacement(sighted.in_view, &Stray::default())?;
+            let tilted_m = self.sensor.tilt_displacement(sighted.in_view)?;
             let body_share = self.sensor.body.tilt_rad / (self.sensor.body.tilt_rad + self.sensor.camera.tilt_rad);
             let body_m = if body_share.is_finite() { tilted_m * body_share } else { 0.0 };
             let label = |row: Row| {
-                row.with_part(bounds::BODY_TILT, body_m)
-                    .with_part(bounds::RANGE_CAMERA_TILT, tilted_m - body_m)
-                    .with_part(bounds::RANGE_CAMERA_STAMP, blur_m - tilted_m)
+                row.with_part(bounds::BODY_TILT, body_m).with_part(bounds::RANGE_CAMERA_TILT, tilted_m - body_m)
             };
-            let rows = sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain);
+            let rows = sighting_rows(&self.sensor.camera, tilted_m, &sighted.sighting, frame, domain);
             Some(rows.into_iter().map(label).collect::<Vec<Row>>())
         };
         self.right().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
