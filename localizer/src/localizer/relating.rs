@@ -30,6 +30,8 @@ const AWAITED: usize = 10;
 /// Number of key frames after which the heading of an older one is bounded once more, with all that was read since: what is not linear in the rows
 /// about it grows with the heading's interval.
 const SMOOTHED: usize = 15;
+/// One key frame in so many has its heading bounded once more.
+const SMOOTHED_EVERY: usize = 2;
 
 /// The key frames, and the work on the program of the latest one.
 pub(super) struct Graph {
@@ -84,10 +86,15 @@ impl Graph {
         self.frames.latest_s().is_none_or(|latest_s| stamp_s >= latest_s + wait_s - 0.5 * SLACK_S)
     }
 
+    /// Number of the older key frame whose heading is bounded once more with the latest key frame's pose, if there is one.
+    fn older_number(&self) -> Option<usize> {
+        self.frames.number_before_latest(SMOOTHED).filter(|number| number.is_multiple_of(SMOOTHED_EVERY))
+    }
+
     /// The quantities whose bounds are wanted: the latest key frame's pose, and the heading of an older one.
     fn wanted(&self) -> Vec<Variable> {
         let number = self.frames.latest_number();
-        let older = self.frames.number_before_latest(SMOOTHED);
+        let older = self.older_number();
         let pose = (0..3).map(|axis| Variable::Pose(number, axis));
         pose.chain(older.map(|number| Variable::Pose(number, 2))).collect()
     }
@@ -178,8 +185,7 @@ impl Localizer {
             let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
             self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
         }
-        let older_number = self.graph.frames.number_before_latest(SMOOTHED);
-        if let (Some(number), &[heading]) = (older_number, older) {
+        if let (Some(number), &[heading]) = (self.graph.older_number(), older) {
             self.graph.frames.narrow_heading(number, heading);
         }
         let pose = IntervalBox::from([x, y, heading]);
