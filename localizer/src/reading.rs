@@ -127,11 +127,28 @@ impl Camera {
 
 impl Reading {
     /// A reading of odometry that gives the travel of the left and of the right wheel since the start in metres, for a robot whose wheels are
-    /// [`WheelModel::of_odometry`](crate::robot::WheelModel::of_odometry).
-    pub fn odometry(measured_s: f64, arrived_s: f64, travel_m: [f64; 2]) -> Reading {
-        // A way of up to nine million kilometres has so few ticks that the conversion is exact.
+    /// [`WheelModel::of_odometry`](crate::robot::WheelModel::of_odometry). `None` for a travel that is not finite or longer than nine million
+    /// kilometres.
+    pub fn odometry(measured_s: f64, arrived_s: f64, travel_m: [f64; 2]) -> Option<Reading> {
+        // Up to here a number of ticks is exact.
+        let longest_m = ODOMETRY_TICK_M * (1_u64 << 53) as f64;
+        let is_countable = travel_m.iter().all(|way_m| way_m.abs() <= longest_m);
         let ticks = travel_m.map(|way_m| (way_m / ODOMETRY_TICK_M).floor() as i64);
-        Reading::Wheels { measured_s, arrived_s, ticks }
+        is_countable.then_some(Reading::Wheels { measured_s, arrived_s, ticks })
+    }
+
+    /// Whether all numbers of the reading are finite.
+    pub fn is_finite(&self) -> bool {
+        let are_numbers_finite = match self {
+            Reading::Wheels { .. } | Reading::Flow { .. } => true,
+            Reading::Camera { exposure_s, .. } => exposure_s.is_finite(),
+            Reading::Gyro { rate_rad_per_s, .. } => rate_rad_per_s.is_finite(),
+            Reading::Range { sightings, .. } => {
+                sightings.iter().all(|sighting| sighting.left_px.is_finite() && sighting.right_px.is_finite())
+            }
+            Reading::Other { numbers, .. } => numbers.iter().all(|number| number.is_finite()),
+        };
+        are_numbers_finite && self.measured_s().is_finite() && self.arrived_s().is_finite()
     }
 
     /// Time at which the reading was measured, by its stamp.

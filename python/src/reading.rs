@@ -7,7 +7,11 @@ use numpy::{
     PyArray2, PyArrayMethods, PyReadonlyArray2,
     ndarray::{ArrayView2, ShapeError},
 };
-use pyo3::{IntoPyObjectExt, exceptions::PyRuntimeError, prelude::*};
+use pyo3::{
+    IntoPyObjectExt,
+    exceptions::{PyRuntimeError, PyValueError},
+    prelude::*,
+};
 use sim::subject::device;
 
 /// One reading of one sensor, with the time at which it was measured and the time at which it reached the localizer.
@@ -64,7 +68,11 @@ impl WheelsReading {
     /// A reading of odometry, in metres that the left and the right wheel have rolled since the start, for `Robot.of_odometry`.
     #[staticmethod]
     fn of_odometry(py: Python<'_>, measured_s: f64, travel_m: (f64, f64)) -> PyResult<Py<PyAny>> {
-        to_python(py, Reading::odometry(measured_s, measured_s, [travel_m.0, travel_m.1]))
+        let reading = Reading::odometry(measured_s, measured_s, [travel_m.0, travel_m.1]).ok_or_else(|| {
+            let expected = "expected two finite travels of at most 9e9 m";
+            PyValueError::new_err(format!("`travel_m` is ({}, {}), {expected}", travel_m.0, travel_m.1))
+        })?;
+        to_python(py, reading)
     }
 }
 

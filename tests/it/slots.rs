@@ -3,8 +3,10 @@
 
 use interval::Interval;
 use localizer::{
-    Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, localizer::Dropped,
+    Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
+    localizer::Dropped,
     method::Context,
+    reading::{LandmarkId, Sighting},
 };
 
 use crate::range_landmarks_setup::{robot, says};
@@ -120,6 +122,16 @@ fn a_reading_that_cannot_be_used_is_answered_by_the_reason() {
     for unknown in [gyro, flow, beacon] {
         assert_eq!(dropped(&mut localizer, unknown), Some(Dropped::UnknownDevice));
     }
+    let rate = Reading::Gyro { measured_s: 1.0, arrived_s: 1.0, rate_rad_per_s: f64::NAN };
+    let sighting = Sighting { landmark: LandmarkId(1), left_px: f64::INFINITY, right_px: 1.0 };
+    let seen = Reading::Range { measured_s: 1.0, arrived_s: 1.0, sightings: vec![sighting] };
+    for not_finite in [rate, seen, range(f64::NAN, 1.0), wheels(f64::INFINITY), range(0.5, f64::NAN)] {
+        assert_eq!(dropped(&mut localizer, not_finite), Some(Dropped::NotFinite));
+    }
+    for travel_m in [[f64::NAN, 0.3], [0.3, f64::NEG_INFINITY], [1e10, 0.0]] {
+        assert!(Reading::odometry(1.0, 1.0, travel_m).is_none(), "{travel_m:?}");
+    }
+    assert!(Reading::odometry(1.0, 1.0, [0.3, -1e9]).is_some());
 }
 
 #[test]

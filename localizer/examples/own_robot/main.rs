@@ -43,7 +43,7 @@ fn reading(line: &str) -> Option<Reading> {
     let (time, (device, rest)) = line.split_once(',').and_then(|(time, rest)| Some((time, rest.split_once(',')?)))?;
     let (at_s, numbers) = (time.parse().ok()?, rest.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>().ok()?);
     match (device, &numbers[..]) {
-        ("odometry", &[left_m, right_m]) => Some(Reading::odometry(at_s, at_s, [left_m, right_m])),
+        ("odometry", &[left_m, right_m]) => Reading::odometry(at_s, at_s, [left_m, right_m]),
         _ => Some(Reading::Other { measured_s: at_s, arrived_s: at_s, device: device.to_owned(), numbers }),
     }
 }

@@ -168,6 +168,9 @@ impl Localizer {
     /// Processes one sensor reading; readings have to come in order of arrival. Returns what became of it: for each method that used the reading an
     /// account of what came of it, or why the reading was dropped.
     pub fn observe(&mut self, reading: &Reading) -> Observed {
+        if !reading.is_finite() {
+            return Observed::dropped(Dropped::NotFinite);
+        }
         match reading {
             Reading::Wheels { measured_s, ticks, .. } => Observed::of_motion(Some(self.roll(*measured_s, *ticks))),
             Reading::Gyro { measured_s, rate_rad_per_s, .. } => {

@@ -19,6 +19,8 @@ pub struct Observed {
 pub enum Dropped {
     /// The robot model has no such device, or no method reads it.
     UnknownDevice,
+    /// One of its numbers or its stamp is not finite.
+    NotFinite,
     /// Its stamp is before the start of the drive.
     BeforeStart,
     /// Its stamp is older than the localizer remembers poses.
@@ -77,6 +79,7 @@ impl fmt::Display for Dropped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Dropped::UnknownDevice => write!(f, "the robot model has no such device, or no method reads it"),
+            Dropped::NotFinite => write!(f, "one of its numbers or its stamp is not finite"),
             Dropped::BeforeStart => write!(f, "its stamp is before the start"),
             Dropped::TooOld { age_s, limit_s } => {
                 write!(f, "its stamp is {age_s:.3} s old, and poses are remembered for {limit_s} s")
