@@ -69,6 +69,9 @@ pub fn replay_log(robot: &SceneFile, path: &Path, choice: &SubjectChoice) -> Res
         None => true,
     })?;
     gathered.check_stamps(&roles, keys);
+    if let Some(found) = clock_step(&gathered) {
+        return Err(LogError::Unusable { log: path.to_owned(), found }.with_damage(&damage));
+    }
     for (name, topic) in offered {
         let entry = gathered.topics.entry(name).or_default();
         entry.n_messages = entry.n_messages.max(topic.n_messages);
@@ -145,6 +148,23 @@ fn roles(
 fn first_stamp_ns(gathered: &Gathered) -> Option<i64> {
     let joints = gathered.joints.first().map(|one| one.stamp_ns);
     joints.or_else(|| gathered.odometry.first().map(|one| one.stamp_ns))
+}
+
+/// What there is to say of a log in which the clock of the motion sensors' stamps was set: before and after, stamps say nothing of each other, and the
+/// start pose is known for the log's beginning only.
+fn clock_step(gathered: &Gathered) -> Option<String> {
+    let of_motion = |topic: &account::Topic| matches!(topic.role, Some(Role::Joints | Role::Odometry | Role::Imu));
+    let (name, step) = gathered
+        .topics
+        .iter()
+        .filter(|(_, topic)| of_motion(topic))
+        .find_map(|(name, topic)| Some((name, topic.clock_step.as_ref()?)))?;
+    Some(format!(
+        "the clock of the stamps of `{name}` was set by {:+.3} s where the time of logging is {:.3} s, expected stamps of one clock; with \
+         `stamps = \"log_time\"` in `[log]` the times of logging are used, else cut the log there",
+        step.by_s,
+        step.logged_ns as f64 * 1e-9
+    ))
 }
 
 /// The error of a log without a usable reading of the wheels.

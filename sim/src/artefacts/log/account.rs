@@ -17,6 +17,8 @@ pub(super) struct Topic {
     pub(super) n_messages: usize,
     /// Usual delay from stamp to time of logging.
     pub(super) delay_ns: Option<i64>,
+    /// A step of the stamps' clock against the times of logging, if there was one.
+    pub(super) clock_step: Option<ClockStep>,
     /// Number of messages that were logged after one with a later stamp. They are put into order.
     pub(super) n_out_of_order: usize,
     /// Stamps of the first and the last message that is used.
@@ -26,6 +28,15 @@ pub(super) struct Topic {
     /// Spans without a message that are longer than the declared gap.
     pub(super) gaps_ns: Vec<[i64; 2]>,
     pub(super) account: Account,
+}
+
+/// A lasting change of the difference between stamps and times of logging.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ClockStep {
+    /// Time of logging of the first message after the step.
+    pub(super) logged_ns: i64,
+    /// By how much the clock of the stamps was set forward there.
+    pub(super) by_s: f64,
 }
 
 /// The dropped messages of a topic, by the reason.

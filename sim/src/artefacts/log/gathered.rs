@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use localizer::{Pose, methods::gnss_positions::Position, reading::Camera};
 
 use super::{
-    account::Topic,
+    account::{ClockStep, Topic},
     geodesy,
     messages::{self, LensInfo},
     source::RawMessage,
@@ -209,14 +209,17 @@ fn check<T>(values: &mut Vec<Stamped<T>>, topic: &mut Topic, keys: &Log) {
     let Some(&usual_ns) = delays_ns.get(delays_ns.len() / 2) else { return };
     topic.delay_ns = Some(usual_ns);
     let tolerance_ns = (keys.clock_tolerance_s * 1e9) as i64;
+    let ahead_ns = |value: &Stamped<T>| usual_ns.saturating_sub(delay_ns(value));
+    let ahead: Vec<[i64; 2]> = values.iter().map(|value| [value.logged_ns, ahead_ns(value)]).collect();
+    topic.clock_step = clock_step(&ahead, tolerance_ns, (keys.longest_gap_s * 1e9) as i64);
     let Topic { account, n_out_of_order, .. } = topic;
     values.retain(|value| {
-        let off_ns = delay_ns(value).saturating_sub(usual_ns);
-        let is_kept = off_ns.saturating_abs() <= tolerance_ns;
+        let ahead_ns = ahead_ns(value);
+        let is_kept = ahead_ns.saturating_abs() <= tolerance_ns;
         if !is_kept {
             let detail = format!(
                 "its stamp is off by {:.3} s from the time of logging, more than clock_tolerance_s",
-                -off_ns as f64 * 1e-9
+                ahead_ns as f64 * 1e-9
             );
             account.drop_one("its stamp is false", value.logged_ns, detail);
         }
@@ -233,6 +236,26 @@ fn check<T>(values: &mut Vec<Stamped<T>>, topic: &mut Topic, keys: &Log) {
         is_new
     });
     topic.note_times(&values.iter().map(|value| value.stamp_ns).collect::<Vec<_>>(), keys.longest_gap_s);
+}
+
+/// The first step of a clock among messages in the order of logging, each with its time of logging and by how much its stamp is ahead of what the
+/// usual delay makes of that time. Messages whose stamps are off by the same time, to within `tolerance_ns`, for longer than `lasting_ns` are by a
+/// clock that was set; fewer ones are single false stamps.
+fn clock_step(ahead: &[[i64; 2]], tolerance_ns: i64, lasting_ns: i64) -> Option<ClockStep> {
+    let is_off = |&[_, ahead_ns]: &[i64; 2]| ahead_ns.saturating_abs() > tolerance_ns;
+    let mut first = 0;
+    for idx in 0..ahead.len() {
+        if !is_off(&ahead[idx]) || ahead[idx][1].abs_diff(ahead[first][1]) > tolerance_ns.unsigned_abs() {
+            first = idx;
+        }
+        if is_off(&ahead[first]) && ahead[idx][0].saturating_sub(ahead[first][0]) > lasting_ns {
+            // Where the first messages are off, the step is at the first one that is not.
+            let right = ahead.iter().find(|one| !is_off(one)).filter(|_| first == 0);
+            let (logged_ns, sign) = right.map_or((ahead[first][0], 1.0), |right| (right[0], -1.0));
+            return Some(ClockStep { logged_ns, by_s: sign * ahead[first][1] as f64 / 1e9 });
+        }
+    }
+    None
 }
 
 fn finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Result<(), (&'static str, String)> {
@@ -337,6 +360,24 @@ mod tests {
         let topic = &gathered.topics["/t"];
         assert_eq!((topic.n_messages, topic.account.n_dropped(), topic.n_out_of_order), (5, 1, 1));
         assert_eq!(topic.account.dropped["its stamp is false"].logged_ns, [102_000_000_000; 2]);
+    }
+
+    #[test]
+    fn stamps_that_stay_off_are_by_a_clock_that_was_set() {
+        let times_s = |before: i32, after: i32| -> Vec<(i32, i64)> {
+            (0..12).map(|at| (at + if at < 5 { before } else { after }, i64::from(at) + 100)).collect()
+        };
+        let step = |times_s: &[(i32, i64)]| gathered(times_s).topics["/t"].clock_step.clone();
+        let set = |by_s: f64| Some(ClockStep { logged_ns: 105_000_000_000, by_s });
+        // Set forward by a minute or back by 9 s, with most messages after the step, whose clock then counts as the usual one.
+        assert_eq!((step(&times_s(0, 60)), step(&times_s(9, 0))), (set(60.0), set(-9.0)));
+        // With most messages before the step.
+        let late: Vec<(i32, i64)> = (0..12).map(|at| (at + if at < 9 { 0 } else { 60 }, i64::from(at) + 100)).collect();
+        assert_eq!(step(&late), Some(ClockStep { logged_ns: 109_000_000_000, by_s: 60.0 }));
+        // A single false stamp is none, nor are two that are off by different times, nor one clock throughout.
+        let mut single = times_s(0, 0);
+        (single[3].0, single[7].0, single[8].0) = (70, 40, 90);
+        assert_eq!((step(&single), step(&times_s(7, 7))), (None, None));
     }
 
     #[test]
