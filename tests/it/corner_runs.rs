@@ -151,9 +151,9 @@ impl Relations for TooSmallRelations {
         0.4 * self.0.shift_m(stray)
     }
 
-    fn rows(&self, frame: usize, stray: &Stray, domain: &Domain) -> Vec<Row> {
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let too_near = |row: Row| Row { sides: Interval::centred(row.sides.mid(), 0.4 * row.sides.radius()), ..row };
-        self.0.rows(frame, stray, domain).into_iter().map(too_near).collect()
+        self.0.rows(frame, domain).into_iter().map(too_near).collect()
     }
 }
 
