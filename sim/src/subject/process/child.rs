@@ -34,6 +34,8 @@ enum Event {
 /// A running process with its pipes.
 pub(super) struct Running {
     child: Child,
+    /// Ends the process where this program is killed; none where it cannot be started.
+    guard: Option<Child>,
     /// How the process ended, once it has been waited for.
     status: Option<ExitStatus>,
     events: Receiver<Event>,
@@ -59,7 +61,8 @@ impl Running {
         if let Some(errors) = child.stderr.take() {
             thread::spawn(move || end.send(read_end(errors)));
         }
-        Ok((Running { child, status: None, events, log }, pipe))
+        let guard = guard_of(&child);
+        Ok((Running { child, guard, status: None, events, log }, pipe))
     }
 
     /// The next line that the process writes, if it does so within `limit`. The error says what the process did instead.
@@ -103,6 +106,11 @@ impl Running {
         if let Some(status) = self.status {
             return Ok(status);
         }
+        // The guard ends first: once the process has been waited for, the number of its group may be another group's.
+        if let Some(mut guard) = self.guard.take() {
+            let _ = guard.kill();
+            let _ = guard.wait();
+        }
         end_group(&mut self.child);
         let status = self.child.wait()?;
         self.status = Some(status);
@@ -138,6 +146,22 @@ fn by_shell(command: &str) -> Command {
     let mut shell = Command::new("cmd");
     shell.args(["/C", command]);
     shell
+}
+
+/// Starts a shell that waits for the end of its standard input, which comes when this program ends in whatever way, and then ends the process's group.
+/// It is in a group of its own, so that an interrupt from the terminal does not end it.
+#[cfg(unix)]
+fn guard_of(child: &Child) -> Option<Child> {
+    use std::os::unix::process::CommandExt;
+    let group = format!("-{}", child.id());
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "read -r _; kill -s KILL -- \"$1\"", "sh", &group]).process_group(0);
+    shell.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
+}
+
+#[cfg(not(unix))]
+fn guard_of(_child: &Child) -> Option<Child> {
+    None
 }
 
 /// Whether a process has ended. It is not waited for, which would free its number for another process while its group is still to be ended.
