@@ -96,9 +96,24 @@ fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
     let page = fs::read_to_string(folder.join("all/report.html")).unwrap();
     assert!(page.contains("What a guarantee costs, and what overconfidence costs"), "{page}");
     let markdown = fs::read_to_string(folder.join("all/summary.md")).unwrap();
-    let rows: Vec<&str> =
-        markdown.lines().filter(|line| line.starts_with("| blind | ") && line.matches('|').count() == 13).collect();
-    assert_eq!(rows.len(), 3, "{markdown}");
+    let rows = |n_columns: usize| {
+        let is_row = |line: &&str| line.starts_with("| blind | ") && line.matches('|').count() == n_columns + 1;
+        markdown.lines().filter(is_row).collect::<Vec<&str>>()
+    };
+    assert_eq!(rows(13).len(), 3, "{markdown}");
+    // The boxes are no distributions. The share of each filter's steps with the truth in its region of 50 % is in its summary, too.
+    let calibrated = rows(9);
+    assert_eq!(calibrated.len(), 2, "{markdown}");
+    for (name, row) in ["ekf", "particles"].iter().zip(calibrated) {
+        let within = |seed: usize| -> f64 {
+            let text = fs::read_to_string(folder.join(format!("all/{name}/blind/{seed}/summary.json"))).unwrap();
+            let summary: Value = serde_json::from_str(&text).unwrap();
+            summary["distribution"]["calibration"]["within_50"].as_f64().unwrap()
+        };
+        let mean = format!("| {:.1} |", 50.0 * (within(0) + within(1)));
+        assert!(row.starts_with(&format!("| blind | {name} {mean}")), "{mean}: {row}");
+    }
+    assert!(page.contains("How well the stated distributions are calibrated"), "{page}");
     let (code, told, said) = outcome(&mut wherein(&folder, &["compare", "all/ekf", "all/particles"]));
     assert!(code < 2 && told.contains("position error"), "{told}{said}");
 }

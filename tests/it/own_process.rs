@@ -5,7 +5,8 @@ use std::{
     fs,
     io::{self, Write},
     path::{Path, PathBuf},
-    process::Command,
+    process::{Command, Stdio},
+    time::Duration,
 };
 
 use mcap::MessageStream;
@@ -114,12 +115,35 @@ fn nothing_that_a_process_has_started_outlives_its_run() {
     let log = fs::read_to_string(run.join("subject.log")).unwrap();
     let id = log.trim().strip_prefix("brood ").unwrap();
     assert_eq!(code, 1);
-    // A process that has ended may still be listed, as a zombie, until its new parent looks.
-    let is_gone = |id: &str| {
-        let state = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
-        state.is_empty() || state.contains(") Z ")
-    };
     assert!(is_gone(id) && !is_gone("self"));
+}
+
+/// Whether a process is not there any more. One that has ended may still be listed, as a zombie, until its new parent looks.
+#[cfg(target_os = "linux")]
+fn is_gone(id: &str) -> bool {
+    let state = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+    state.is_empty() || state.contains(") Z ")
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn nothing_that_a_process_has_started_outlives_a_run_that_is_killed() {
+    let folder = folder_of("process_orphan", &[("scene.toml", &blind_scene(1.0, ""))]);
+    // The process says who it is once it has started another one, and both hang.
+    let command = "sleep 1000 & echo $$ $! > ids.new && mv ids.new ids; wait";
+    let arguments = ["run", "scene.toml", "--out", "out", "--subject", command, "--subject-timeout-s", "300"];
+    let mut run = wherein(&folder, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let awaited = |is_there: &dyn Fn() -> bool| {
+        (0..200).any(|_| {
+            std::thread::sleep(Duration::from_millis(50));
+            is_there()
+        })
+    };
+    assert!(awaited(&|| folder.join("ids").exists()));
+    let ids = fs::read_to_string(folder.join("ids")).unwrap();
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(awaited(&|| ids.split_whitespace().all(is_gone)), "{ids}");
 }
 
 #[test]
@@ -132,6 +156,9 @@ fn each_kind_of_answer_reaches_the_judge() {
         assert_eq!(summary["subject"], still(kind).as_str());
         assert_eq!(summary["subject_failure"], Value::Null, "{kind}");
         assert_eq!(summary["containment"].is_object(), kind == "boxes", "{kind}");
+        // Of these programs one tells the stamp of its newest reading, which is always 20 ms old.
+        let age_s = summary["latency_s"]["mean"].as_f64();
+        assert_eq!(age_s.map(|age_s| (1e3 * age_s).round()), (kind == "gaussian").then_some(20.0), "{kind}");
         // The start of the scene, at every step of 10 ms.
         assert!(poses.len() == 51 && poses.iter().all(|pose| (pose[1] - 0.6).abs() < 1e-9), "{kind}: {poses:?}");
     }

@@ -59,6 +59,8 @@ struct Talk {
     heading_rad: f64,
     /// The latest answer, with the time that it is for and the number of readings that it is based on.
     latest: Option<(f64, usize, Answer)>,
+    /// Stamp of the newest reading that the latest answer takes into account, if the process told it.
+    newest_s: Option<f64>,
 }
 
 impl ForeignProcess {
@@ -108,7 +110,7 @@ impl Talk {
         let unsent = |error| format!("it cannot be sent a message: {error}");
         let mut stream = Stream::begin(pipe).map_err(unsent)?;
         stream.put(&Message::setup(&Setup::of(scene))).map_err(unsent)?;
-        Ok(Talk { running, stream, heading_rad: 0.0, latest: None })
+        Ok(Talk { running, stream, heading_rad: 0.0, latest: None, newest_s: None })
     }
 
     /// Asks for the answer for `time_s` and waits for it. An answer that has been given for the same time and the same readings is not asked again.
@@ -121,7 +123,9 @@ impl Talk {
         let unsent = |error| format!("it cannot be sent a message: {error}");
         self.stream.put(&Message::ask(time_s)).map_err(unsent)?;
         let line = self.running.line(limit)?;
-        let answer = turned_to(answer::read(&line, time_s)?, self.heading_rad);
+        let (answer, newest_s) = answer::read(&line, time_s)?;
+        let answer = turned_to(answer, self.heading_rad);
+        self.newest_s = newest_s;
         let middle = answer.clone().into_estimate(time_s).pose.hull()[2].mid();
         if middle.is_finite() {
             self.heading_rad = middle;
@@ -161,6 +165,10 @@ impl Subject for ForeignProcess {
             self.fail(time_s, reason);
             nowhere()
         })
+    }
+
+    fn knows_until_s(&self) -> Option<f64> {
+        self.talk.borrow().as_ref()?.newest_s
     }
 
     fn failure(&self) -> Option<&Failure> {

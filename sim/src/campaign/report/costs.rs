@@ -17,10 +17,12 @@ pub(super) struct Cost {
     pub subject: String,
     /// Texts of the cells below [`HEADINGS`].
     pub cells: [String; HEADINGS.len()],
+    /// Texts of the cells below [`CALIBRATION`], for a localizer that states distributions.
+    pub calibration: Option<[String; CALIBRATION.len()]>,
 }
 
 /// Headings of the table, after those of scene and localizer.
-pub(super) const HEADINGS: [&str; 10] = [
+pub(super) const HEADINGS: [&str; 11] = [
     "runs",
     "RMSE, mm",
     "RMSE heading, °",
@@ -30,14 +32,24 @@ pub(super) const HEADINGS: [&str; 10] = [
     "width, mm",
     "width, °",
     "per reading, ms",
+    "age, ms",
     "goals, %",
 ];
+
+/// Headings of the table of calibration, after those of scene and localizer.
+pub(super) const CALIBRATION: [&str; 7] =
+    ["50 %", "90 %", "95 %", "99 %", "99.7 %", "width of 95 %, mm", "width of 95 %, °"];
+
+/// Sentence that explains the table of calibration.
+pub(super) const CALIBRATION_NOTE: &str = "How often the truth was in the region that the localizer says holds it at so many percent, in percent of the \
+    steps; and the mean full width of the interval that holds 95 % along an axis, for the wider of x and y, and for the heading.";
 
 /// Sentences that explain the table.
 pub(super) const NOTE: &str = "RMSE: root mean square distance of the stated position (middle of the boxes, mean of a distribution). NEES: normalised error \
     squared, 3 where the stated covariance is right, more where it is overconfident. Mean NEES in corridor: share of the whole seconds at which the mean \
     over the runs is where 95 % of right filters have it. Truth held: share of steps with the truth in the boxes, or within 3σ along x, y and heading at \
-    once. Width: mean full width of the box or of 3σ, the wider of x and y.";
+    once. Width: mean full width of the box or of 3σ, the wider of x and y. Age: mean age of the newest reading \
+    in the answer, where the localizer tells it.";
 
 /// The lines of the table; empty unless a localizer states distributions or several localizers ran.
 pub(super) fn costs(results: &Results) -> Vec<Cost> {
@@ -80,9 +92,18 @@ fn cost((scene, subject): (String, String), cases: &[&CaseResult]) -> (Cost, boo
         shown(wider("width").or_else(|| wider(region)).map(|m| 1e3 * m), 1),
         shown(heading("width.heading_rad.mean").or_else(|| heading(&format!("{region}.heading_rad.mean"))), 2),
         shown(per_reading_ms, 3),
+        shown(figure("latency_s.mean").map(|age_s| 1e3 * age_s), 1),
         shown(share(goals()), 0),
     ];
-    (Cost { scene, subject, cells }, figure("distribution.checks").is_some())
+    let within = |percent: &str| shown(share(figure(&format!("distribution.calibration.within_{percent}"))), 1);
+    let region = "distribution.region_95";
+    let calibration = figure("distribution.checks").map(|_| {
+        let [half, most, more, nearly, all] = ["50", "90", "95", "99", "99_7"].map(within);
+        let width_mm = shown(wider(region).map(|m| 1e3 * m), 1);
+        [half, most, more, nearly, all, width_mm, shown(heading(&format!("{region}.heading_rad.mean")), 2)]
+    });
+    let is_distribution = calibration.is_some();
+    (Cost { scene, subject, cells, calibration }, is_distribution)
 }
 
 /// A share in percent that reads 100 only when it is complete.

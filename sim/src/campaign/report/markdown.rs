@@ -4,7 +4,7 @@ use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{
     Group, Overview,
-    costs::{HEADINGS, costs},
+    costs::{CALIBRATION, HEADINGS, costs},
     text::first_outside,
 };
 
@@ -81,11 +81,22 @@ fn localizers(results: &Results) -> String {
         let all: Vec<String> = texts.iter().map(|text| inline(text)).chain(cells.iter().cloned()).collect();
         format!("| {} |\n", all.join(" | "))
     };
-    let rule = format!("| :-- | :-- |{}\n", " --: |".repeat(HEADINGS.len()));
-    let mut text = "\n### What a guarantee costs, and what overconfidence costs\n\n".to_owned();
-    text += &line(&["scene", "localizer"], &HEADINGS.map(str::to_owned));
-    text += &rule;
+    let head = |title: &str, headings: &[&str]| {
+        let headings: Vec<String> = headings.iter().map(|&heading| heading.to_owned()).collect();
+        let rule = format!("| :-- | :-- |{}\n", " --: |".repeat(headings.len()));
+        format!("\n### {title}\n\n{}{rule}", line(&["scene", "localizer"], &headings))
+    };
+    let mut text = head("What a guarantee costs, and what overconfidence costs", &HEADINGS);
     text.extend(lines.iter().map(|cost| line(&[&cost.scene, &cost.subject], &cost.cells)));
+    let calibrated = lines.iter().filter_map(|cost| Some((cost, cost.calibration.as_ref()?)));
+    let rows: Vec<String> = calibrated.map(|(cost, cells)| line(&[&cost.scene, &cost.subject], cells)).collect();
+    if !rows.is_empty() {
+        text += &head(
+            "How often the truth is in the region that is said to hold it, in percent of the steps",
+            &CALIBRATION,
+        );
+        text.extend(rows);
+    }
     text
 }
 

@@ -12,7 +12,7 @@ use crate::{
 
 use super::{
     Overview, corridor,
-    costs::{HEADINGS, NOTE, costs},
+    costs::{CALIBRATION, CALIBRATION_NOTE, Cost, HEADINGS, NOTE, costs},
     diagram::Diagram,
     heatmap::heatmaps,
     picture,
@@ -220,20 +220,33 @@ fn groups(overview: &Overview) -> Markup {
 /// Shows several localizers side by side.
 fn localizers(results: &Results) -> Markup {
     let lines = costs(results);
+    let cells: Vec<(&Cost, &[String])> = lines.iter().map(|line| (line, &line.cells[..])).collect();
+    let calibrated: Vec<(&Cost, &[String])> =
+        lines.iter().filter_map(|line| Some((line, &line.calibration.as_ref()?[..]))).collect();
+    let table = |id: &str, headings: &[&str], lines: &[(&Cost, &[String])]| {
+        html! {
+            div.table { table {
+                thead { tr {
+                    th.text { "scene" } th.text { "localizer" }
+                    @for heading in headings { th { (heading) } }
+                } }
+                tbody id=(id) { @for (line, cells) in lines { tr {
+                    td.text { (line.scene) } td.text { (line.subject) }
+                    @for cell in *cells { td { (cell) } }
+                } } }
+            } }
+        }
+    };
     html! {
         @if !lines.is_empty() {
             h2 { "What a guarantee costs, and what overconfidence costs" }
             p.note { (NOTE) }
-            div.table { table {
-                thead { tr {
-                    th.text { "scene" } th.text { "localizer" }
-                    @for heading in HEADINGS { th { (heading) } }
-                } }
-                tbody id="localizers" { @for line in &lines { tr {
-                    td.text { (line.scene) } td.text { (line.subject) }
-                    @for cell in &line.cells { td { (cell) } }
-                } } }
-            } }
+            (table("localizers", &HEADINGS, &cells))
+        }
+        @if !calibrated.is_empty() {
+            h2 { "How well the stated distributions are calibrated" }
+            p.note { (CALIBRATION_NOTE) }
+            (table("calibration", &CALIBRATION, &calibrated))
         }
     }
 }

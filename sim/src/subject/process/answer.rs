@@ -15,6 +15,7 @@ const SHOWN: usize = 80;
 #[serde(deny_unknown_fields)]
 struct Line {
     time_s: f64,
+    newest_s: Option<f64>,
     mean: Option<[f64; 3]>,
     covariance: Option<[[f64; 3]; 3]>,
     samples: Option<Vec<[f64; 4]>>,
@@ -32,13 +33,15 @@ enum BoxStatus {
     Recovering,
 }
 
-/// Reads the answer for `time_s` from a line. The error says what is wrong with the line and what was expected.
-pub(super) fn read(line: &[u8], time_s: f64) -> Result<Answer, String> {
+/// Reads the answer for `time_s` from a line, and the stamp of the newest reading in it, if it is told. The error says what is wrong with the line and
+/// what was expected.
+pub(super) fn read(line: &[u8], time_s: f64) -> Result<(Answer, Option<f64>), String> {
     let line: Line = serde_json::from_slice(line).map_err(|error| refusal(line, &error))?;
     if (line.time_s - time_s).abs() > SAME_S {
         let when = if line.time_s > time_s { "the future" } else { "the past" };
         return Err(format!("it answered for {when}: `time_s` is {}, expected {time_s} as asked", line.time_s));
     }
+    let newest_s = line.newest_s;
     let answer = match line {
         Line { mean: Some(mean), covariance: Some(covariance), samples: None, boxes: None, pose: None, .. } => {
             ForeignAnswer::Gaussian { mean, covariance }
@@ -63,7 +66,8 @@ pub(super) fn read(line: &[u8], time_s: f64) -> Result<Answer, String> {
             );
         }
     };
-    answer.checked(time_s).map_err(|reason| format!("it answered with {reason}"))
+    let answer = answer.checked(time_s).map_err(|reason| format!("it answered with {reason}"))?;
+    Ok((answer, newest_s))
 }
 
 /// What is wrong with a line that does not have the form of an answer.
@@ -97,7 +101,7 @@ mod tests {
     }
 
     fn answer(rest: &str) -> Result<Answer, String> {
-        read(format!("{{\"time_s\": 1.25, {rest}}}\n").as_bytes(), 1.25)
+        read(format!("{{\"time_s\": 1.25, {rest}}}\n").as_bytes(), 1.25).map(|(answer, _)| answer)
     }
 
     /// The message about an answer that has to be refused.
@@ -125,6 +129,13 @@ mod tests {
         assert_eq!(estimate.pose.branches.len(), 2);
         assert!(estimate.pose.contains(pose([1.5, 3.5, 5.5])) && estimate.pose.contains(pose([7.0, 8.5, 0.5])));
         assert!(!estimate.pose.contains(pose([5.0, 5.0, 3.0])));
+    }
+
+    #[test]
+    fn an_answer_may_tell_its_newest_reading() {
+        let newest_s = |rest: &str| read(format!("{{\"time_s\": 1.25, \"pose\": [1, 2, 3]{rest}}}").as_bytes(), 1.25);
+        assert_eq!(newest_s(", \"newest_s\": 1.2").unwrap().1, Some(1.2));
+        assert_eq!(newest_s("").unwrap().1, None);
     }
 
     #[test]
