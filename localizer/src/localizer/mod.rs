@@ -31,7 +31,7 @@ use base_clock::BASE_STAMP;
 use doubt::Doubts;
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
-use moves::{REACH, assumptions, memory_s, motion_between, motion_history};
+use moves::{REACH, apart_s, assumptions, memory_s, motion_between, motion_history};
 pub use naming::Contradiction;
 use naming::{Intersected, Naming};
 pub use observed::{Dropped, Observed};
@@ -311,13 +311,10 @@ impl Localizer {
         }
     }
 
-    /// Stores the present pose union as a slot without an image if the latest slot is older than two slip windows. The additive part of the slip
-    /// bound is then counted afresh from the new slot.
+    /// Stores the present pose union as a slot without an image if the latest slot is older than [`apart_s`]. The additive part of the slip bound is
+    /// then counted afresh from the new slot.
     fn anchor_when_due(&mut self) {
-        let due = self
-            .ring
-            .last()
-            .is_some_and(|last| self.now_s - last.stamp_s > 2.0 * self.robot.wheels.slip_window_s + 1e-6);
+        let due = self.ring.last().is_some_and(|last| self.now_s - last.stamp_s > apart_s(&self.robot) + 1e-6);
         if !due {
             return;
         }

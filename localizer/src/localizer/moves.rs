@@ -32,10 +32,26 @@ const FLOW: [Assumption; 7] = [
     bounds::REACH_TURN_RATE,
 ];
 
-/// Time for which readings of motion are remembered: the greatest age of a stamp that is accepted. If stored poses may lie farther apart than that (a
-/// new one is stored after two slip windows), it is their distance in time plus that age, for readings that come late.
+/// Longest time after which a pose is stored anew although its encoders are coarse. It stays well below the age up to which readings are accepted, so
+/// that the pose at a late reading's stamp is predicted by the wheel readings that are remembered.
+const COARSE_APART_S: f64 = 2.0;
+/// Share of the encoders' quantisation that the constant part of slip makes up for before a pose is stored anew. With a quarter, only encoders coarser
+/// than those of usual robots, which have hundreds of ticks a turn, make poses lie farther apart than two slip windows.
+const SLIP_PER_TICK: f64 = 0.25;
+
+/// Time after the latest stored pose after which a pose is stored anew: two slip windows, so that the constant part of slip is counted afresh. Each
+/// time, however, the quantisation of the encoders counts once more. Where that is coarse, the time is longer.
+pub(super) fn apart_s(robot: &RobotModel) -> f64 {
+    let wheels = &robot.wheels;
+    let tick_m = wheels.metres_per_tick(0).hi().max(wheels.metres_per_tick(1).hi());
+    let slip_m_per_s = wheels.slip_floor_m / wheels.slip_window_s;
+    (2.0 * wheels.slip_window_s).max((SLIP_PER_TICK * tick_m / slip_m_per_s).min(COARSE_APART_S))
+}
+
+/// Time for which readings of motion are remembered: the greatest age of a stamp that is accepted. If stored poses may lie farther apart than that, it
+/// is their distance in time plus that age, for readings that come late.
 pub(super) fn memory_s(robot: &RobotModel) -> f64 {
-    let apart_s = 2.0 * robot.wheels.slip_window_s;
+    let apart_s = apart_s(robot);
     if apart_s < REMEMBER_S { REMEMBER_S } else { apart_s + REMEMBER_S }
 }
 
@@ -77,6 +93,8 @@ pub(super) fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
         if gyro.drifts_from_way_to_way() {
             names.push(bounds::GYRO_WANDER);
         }
+    } else {
+        names.push(bounds::REACH_TURN_RATE);
     }
     if robot.flow.is_some() && robot.gyro.is_some() {
         names.extend(FLOW);

@@ -30,6 +30,15 @@ pub struct WheelIntegral {
     remainder_m: f64,
 }
 
+/// What is known of the robot's turn from elsewhere than its wheels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KnownTurns {
+    /// Enclosure of the turn since the start of the integral.
+    pub since_start_rad: Option<Interval>,
+    /// Enclosure of the turn since the latest sample.
+    pub in_step_rad: Option<Interval>,
+}
+
 impl WheelIntegral {
     /// An integral of the wheels' motion at its start, without motion.
     pub fn new(start: WheelSample) -> Self {
@@ -50,6 +59,11 @@ impl WheelIntegral {
         self.start.time_s
     }
 
+    /// Stamp of the latest sample up to which the motion is integrated.
+    pub fn latest_s(&self) -> f64 {
+        self.latest.time_s
+    }
+
     /// Greatest total turning since the start: a bound on ∫ |dφ|.
     pub(super) fn turning_rad(&self) -> f64 {
         self.turning_rad
@@ -57,8 +71,8 @@ impl WheelIntegral {
 
     /// Carries the integral on to the next sample, which must be later than the latest one; a sample with the same stamp changes nothing.
     ///
-    /// `turn` is the turn since the start as another sensor encloses it. If it has nothing in common with the wheels' turn, the turn becomes empty.
-    pub fn advance(&mut self, sample: &WheelSample, turn: Option<Interval>, wheels: &WheelModel, reach: &Reach) {
+    /// If the turn since the start that is known otherwise has nothing in common with the wheels' turn, the turn becomes empty.
+    pub fn advance(&mut self, sample: &WheelSample, known: KnownTurns, wheels: &WheelModel, reach: &Reach) {
         let step_s = sample.time_s - self.latest.time_s;
         if step_s <= 0.0 {
             return;
@@ -73,13 +87,17 @@ impl WheelIntegral {
         let travel = [self.travel(0, wheels), self.travel(1, wheels)];
         // θ̇ = (v_r − v_l)/W, Eq. (2c) of paper 1, with the track width W, is exact for the true travels of the two wheels' contact points.
         self.turn_rad = (travel[1] - travel[0]) / wheels.track_m;
-        if let Some(turn) = turn {
-            self.turn_rad = self.turn_rad.intersect(turn);
+        if let Some(turn_rad) = known.since_start_rad {
+            self.turn_rad = self.turn_rad.intersect(turn_rad);
         }
 
         // The enclosures of the heading at the two ends of a step share the errors of all that happened since the start. So the turn in the step is
-        // computed from the step's own ticks, which is much tighter than the difference of the two enclosures.
-        let step_turn_rad = self.step_turn(delta, counts, wheels);
+        // computed from the step's own ticks, which is much tighter than the difference of the two enclosures. A single tick of a coarse encoder
+        // allows more turn than the robot can make in a step, so that what is known otherwise counts. Where the two exclude each other, a declared
+        // bound is broken, and the turn by the ticks alone is kept: the turn since the start tells such contradictions.
+        let by_ticks_rad = self.step_turn(delta, counts, wheels);
+        let both_rad = known.in_step_rad.map_or(by_ticks_rad, |turn_rad| by_ticks_rad.intersect(turn_rad));
+        let step_turn_rad = if both_rad.is_empty() { by_ticks_rad } else { both_rad };
         let middle = (turn_before + self.turn_rad) * 0.5;
         let half = 0.5 * step_turn_rad.magnitude();
         self.turning_rad += 2.0 * half + half * half / 6.0;

@@ -29,7 +29,7 @@ pub use flow_history::FlowHistory;
 pub use flow_way::FlowWay;
 pub use gyro::{GyroHistory, SumSince, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
 pub use gyro_errors::GyroErrors;
-pub use integral::WheelIntegral;
+pub use integral::{KnownTurns, WheelIntegral};
 pub use odometry::PointOdometry;
 pub use slip_excess::SlipExcess;
 pub use way::{GyroTurn, Way};
@@ -184,8 +184,27 @@ impl WheelHistory {
 
     /// Carries an integral of the wheels' motion on to a sample, with the gyroscope's turn up to that sample.
     pub fn advance(&self, integral: &mut WheelIntegral, sample: &WheelSample, wheels: &WheelModel, reach: &Reach) {
-        let turn = self.gyro_turn(integral.start_s(), sample.time_s, wheels, reach);
-        integral.advance(sample, turn, &self.model_over([integral.start_s(), sample.time_s], wheels), reach);
+        let turn_rad = self.gyro_turn(integral.start_s(), sample.time_s, wheels, reach);
+        self.carry_on(integral, sample, turn_rad, wheels, reach);
+    }
+
+    /// Carries an integral on to a sample up to which the robot has turned by `turn_rad` since the integral's start, as far as the gyroscope tells.
+    /// The turn in the step is known by the gyroscope, too, or of a robot without one by the robot's greatest turn rate.
+    fn carry_on(
+        &self,
+        integral: &mut WheelIntegral,
+        sample: &WheelSample,
+        turn_rad: Option<Interval>,
+        wheels: &WheelModel,
+        reach: &Reach,
+    ) {
+        let step_s = [integral.latest_s(), sample.time_s];
+        let in_step_rad = match &self.gyro {
+            Some(gyro) => gyro.turn(step_s[0], step_s[1], greatest_change_rad_per_s2(wheels, reach)),
+            None => Some(Interval::centred(0.0, reach.turn_rate_rad_per_s * (step_s[1] - step_s[0]).max(0.0))),
+        };
+        let known = KnownTurns { since_start_rad: turn_rad, in_step_rad };
+        integral.advance(sample, known, &self.model_over([integral.start_s(), sample.time_s], wheels), reach);
     }
 
     /// Adds a wheel reading and returns whether it was new. A reading no later than the last one is a duplicate and is dropped.
@@ -259,8 +278,8 @@ impl WheelHistory {
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
         let mut turns = self.turns_from(from_s, wheels, reach);
         for sample in self.samples.iter().skip(next) {
-            let turn = turns.as_mut().and_then(|turns| turns.to(sample.time_s));
-            integral.advance(sample, turn, &self.model_over([from_s, sample.time_s], wheels), reach);
+            let turn_rad = turns.as_mut().and_then(|turns| turns.to(sample.time_s));
+            self.carry_on(&mut integral, sample, turn_rad, wheels, reach);
         }
         Some(integral)
     }
@@ -277,8 +296,8 @@ impl WheelHistory {
         let end = self.at(to_s, wheels, reach).or_else(|| self.ahead(to_s, wheels, reach))?;
         let between = self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s);
         for sample in between.chain([&end]) {
-            let turn = turns.as_mut().and_then(|turns| turns.to(sample.time_s));
-            integral.advance(sample, turn, &self.model_over([from_s, sample.time_s], wheels), reach);
+            let turn_rad = turns.as_mut().and_then(|turns| turns.to(sample.time_s));
+            self.carry_on(&mut integral, sample, turn_rad, wheels, reach);
         }
         Some(integral.motion(&self.model_over([from_s, to_s], wheels)))
     }

@@ -28,7 +28,7 @@ use crate::{
 use super::{
     WheelHistory, WheelSample,
     gyro::TurnStep,
-    integral::{WheelIntegral, midpoint_remainder},
+    integral::{KnownTurns, WheelIntegral, midpoint_remainder},
 };
 
 /// What the wheels and the gyroscope tell of the robot's way between two stamps.
@@ -79,7 +79,7 @@ impl WheelHistory {
         let samples = self.samples_between(from_s, to_s, wheels, reach)?;
         let wheels = &*self.model_over([from_s, to_s], wheels);
         let mut integral = WheelIntegral::new(samples[0]);
-        samples[1..].iter().for_each(|sample| integral.advance(sample, None, wheels, reach));
+        samples[1..].iter().for_each(|sample| integral.advance(sample, KnownTurns::default(), wheels, reach));
         let profile = match &self.gyro {
             Some(gyro) => {
                 let stamps: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
