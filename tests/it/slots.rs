@@ -135,6 +135,41 @@ fn a_reading_that_cannot_be_used_is_answered_by_the_reason() {
 }
 
 #[test]
+fn readings_every_four_seconds_are_used_whatever_the_slip_window() {
+    for slip_window_s in [0.2, 3.0, 5.0] {
+        let mut localizer = resting(slip_window_s);
+        for number in 0..8 {
+            let from_s = 4.0 * f64::from(number);
+            rest(&mut localizer, [if number == 0 { 0.0 } else { from_s + 0.01 }, from_s + 4.0]);
+            look(&mut localizer, from_s + 3.95, from_s + 4.0);
+        }
+    }
+}
+
+#[test]
+fn encoder_readings_lost_at_the_start_cost_reach_only_until_the_first_that_comes() {
+    let mut localizer = resting(0.2);
+    let lost_s = 0.3;
+    rest(&mut localizer, [lost_s, lost_s + 0.1]);
+    // The robot may have gone 0.7 m/s · 0.3 s along and across its heading before the first reading. Both its start and its first heading are known to
+    // 0.05. From then on the wheels say that it rests, to within their slip.
+    let most_m = 2.0 * (0.05 + 0.7 * lost_s * 1.05) + 0.01;
+    let estimate = localizer.estimate();
+    assert!(estimate.pose.hull()[0].width() < most_m, "{estimate:?}");
+    assert!(estimate.relies_on.contains(&"reach.speed"), "{:?}", estimate.relies_on);
+    for gone_m in [-0.25, 0.0, 0.25] {
+        assert!(estimate.pose.hull().contains(&[gone_m, -gone_m, 0.0]), "{estimate:?}");
+    }
+    // A reading that was taken before the first of the wheels does not bring the lost time back.
+    let observed = localizer.observe(&Reading::Range { measured_s: 0.2, arrived_s: 0.4, sightings: Vec::new() });
+    assert_eq!(observed.dropped, None);
+    rest(&mut localizer, [0.41, 0.6]);
+    let estimate = localizer.estimate();
+    // From that reading on, which tells x to 0.01 m, 0.1 s are lost. The heading is then known to 0.05 + 1.6 · 0.2 = 0.37, whose sine is 0.36.
+    assert!(estimate.pose.hull()[0].width() < 2.0 * (0.01 + 0.7 * 0.1 * 1.36) + 0.02, "{estimate:?}");
+}
+
+#[test]
 fn a_robot_that_may_be_anywhere_still_has_turned_as_often_as_was_last_known() {
     let headings_rad = [0.0, 20.0, -31.0];
     for heading_rad in headings_rad {

@@ -43,7 +43,7 @@ impl Localizer {
     /// A pose union carried from one stamp to a later one by the motion that the wheels give, or, while the wheels are doubted after a contradiction,
     /// by the robot's limits of speed and turn rate; `None` if the remembered wheel readings do not cover the time between.
     pub(super) fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
-        let latest_s = self.wheels.latest()?.time_s;
+        let (earliest_s, latest_s) = (self.wheels.earliest_s()?, self.wheels.latest()?.time_s);
         if doubted {
             let motion = self.wheels.reach_motion(from_s, to_s, &self.robot.reach);
             return Some(self.inside_room(moved_union(union, &motion)));
@@ -53,6 +53,12 @@ impl Localizer {
         }
         match motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s]) {
             Some(motion) => Some(self.as_fixed_before(self.inside_room(moved_union(union, &motion)), to_s)),
+            // The wheel readings in memory begin after the earlier stamp, as when the first ones of a drive were lost; the robot's limits of speed and
+            // turn rate bound the motion up to the first of them.
+            None if from_s < earliest_s && earliest_s <= to_s => {
+                let begun = self.carried(union, from_s, earliest_s, true)?;
+                self.carried(&begun, earliest_s, to_s, false)
+            }
             // The later stamp is far ahead of the wheel readings, which give the motion up to the last of them; the robot's limits of speed and turn
             // rate bound the motion from there on.
             None if to_s > latest_s.max(from_s) => {

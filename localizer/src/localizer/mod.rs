@@ -232,9 +232,15 @@ impl Localizer {
 
     /// Takes in a wheel reading and predicts the pose union up to its stamp. Returns whether the reading is newer than those before.
     fn roll(&mut self, time_s: f64, ticks: [i64; 2]) -> bool {
+        let is_first = self.wheels.latest().is_none();
         let before_s = self.wheels.latest().map_or(0.0, |before| before.time_s);
         if !self.wheels.push(time_s, ticks) {
             return false;
+        }
+        if is_first && time_s > SAME_S {
+            // The motion up to the first wheel reading that came is known by the robot's limits of speed and turn rate alone.
+            self.relies_on
+                .extend(REACH.into_iter().filter(|bound| !self.relies_on.contains(bound)).collect::<Vec<_>>());
         }
         self.now_s = time_s;
         let Some(sample) = self.wheels.latest().copied() else { return false };
@@ -263,9 +269,11 @@ impl Localizer {
         }
     }
 
-    /// Predicts the current pose union from the latest stored union whose stamp is not after the latest wheel reading.
+    /// Predicts the current pose union from the latest stored union whose stamp is not after the latest wheel reading. Without an integral since that
+    /// stamp the wheel readings in memory begin later, and bound only a part of the motion.
     fn predict(&mut self) {
         let last_s = self.ring.last().map(|last| last.stamp_s).filter(|last_s| *last_s <= self.now_s);
+        let last_s = last_s.filter(|_| self.integral.is_some());
         let motion = last_s.filter(|_| !self.is_doubted()).map(|last_s| self.motion_since_last_slot(last_s));
         let predicted = match (motion, self.ring.last()) {
             (Some(motion), Some(last)) if !self.is_doubted() => {

@@ -220,6 +220,11 @@ impl WheelHistory {
         true
     }
 
+    /// Stamp of the earliest wheel reading in memory.
+    pub fn earliest_s(&self) -> Option<f64> {
+        Some(self.samples.front()?.time_s)
+    }
+
     /// The latest wheel reading.
     pub fn latest(&self) -> Option<&WheelSample> {
         self.samples.back()
