@@ -72,16 +72,19 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
     let mut points = ridge::ridge_points(&plane, bin, size_px, STRONG_SHARE);
     let mut filters = Filters::new(view.joint_width_px);
     let mut result = FloorLines::default();
-    let (mut grids, mut seen) = (Vec::new(), 0);
+    let (mut grids, mut seen, mut measured) = (Vec::new(), Vec::new(), Vec::new());
     // The angle with the most votes is tried first. Ridge points near the lines found at that angle are removed, so that they do not vote for the
     // next one.
     for _ in 0..HYPOTHESES {
         let candidates = vote::candidates(&points, bin as f32, size_px);
         let mut joints: Vec<Joint> = Vec::new();
-        seen += candidates.len();
+        seen.extend_from_slice(&candidates);
         for candidate in &candidates {
             match measure::measure(&picture, &mut filters, candidate) {
-                Some(joint) => joints.push(joint),
+                Some(joint) => {
+                    measured.push(joint.line);
+                    joints.push(joint);
+                }
                 None => result.rejected_px.push(segment(&picture, candidate)),
             }
             vote::remove(&mut points, candidate, 2.0 * bin as f32);
@@ -89,11 +92,15 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
         grids.push(agreement::grid(joints, view));
     }
     let mut joints = agreement::best(grids);
-    if let [lone] = joints.as_slice()
-        && !(seen == 1 && is_alone(lone, &ridge::ridge_points(&plane, bin, size_px, 0.0), bin as f32, size_px))
-    {
-        joints.clear();
+    if let [lone] = joints.as_slice() {
+        let is_lone = seen.iter().all(|candidate| is_beside(candidate, lone, SIDE_LOBE_CELLS * bin as f64))
+            && is_alone(lone, &ridge::ridge_points(&plane, bin, size_px, 0.0), bin as f32, size_px);
+        if !is_lone {
+            joints.clear();
+        }
     }
+    let is_claimed = |line: &Candidate| joints.iter().any(|joint| joint.line == *line);
+    result.rejected_px.extend(measured.iter().filter(|line| !is_claimed(line)).map(|line| segment(&picture, line)));
     for joint in joints {
         result.lines.push(FloorLine {
             points_px: joint.points_px,
@@ -110,6 +117,9 @@ const HYPOTHESES: usize = 2;
 /// Ridges in the image that are fainter than this share of the strong ridges are taken for side effects of the strong ones' smoothing (side lobes)
 /// and left out.
 const STRONG_SHARE: f32 = 0.15;
+/// Distance from a line within which weak ridges are taken for side lobes of its own, in cells of the binned image: the smoothing of a line's ridge
+/// leaves them up to four cells away.
+const SIDE_LOBE_CELLS: f64 = 5.0;
 /// If only one line is found in the image, it must extend over at least this share of the image's shorter side.
 const LONE_SPAN: f64 = 0.6;
 
@@ -119,11 +129,19 @@ const LONE_SPAN: f64 = 0.6;
 /// `points` are all ridge points, including faint ones, because a black wire is stronger than the tile joints beside it.
 fn is_alone(lone: &Joint, points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]) -> bool {
     let mut points = points.to_vec();
-    // The smoothing of a line's ridge leaves weak ridges (side lobes) beside it, up to four cells of the binned image away.
-    vote::remove(&mut points, &lone.line, 5.0 * cell_px);
+    vote::remove(&mut points, &lone.line, SIDE_LOBE_CELLS as f32 * cell_px);
     lone.width_is_sure
         && lone.span_px > LONE_SPAN * f64::from(size_px[0].min(size_px[1]))
         && vote::candidates(&points, cell_px, size_px).is_empty()
+}
+
+/// Whether a candidate lies within `reach_px` of a joint along all of the joint's visible length, as a side lobe of the joint does.
+fn is_beside(candidate: &Candidate, joint: &Joint, reach_px: f64) -> bool {
+    let ((sin, cos), (along_sin, along_cos)) = (candidate.normal_rad.sin_cos(), joint.line.normal_rad.sin_cos());
+    [-0.5 * joint.span_px, 0.5 * joint.span_px].into_iter().all(|along_px| {
+        let end_px = [joint.middle_px[0] - along_px * along_sin, joint.middle_px[1] + along_px * along_cos];
+        (end_px[0] * cos + end_px[1] * sin - candidate.offset_px).abs() <= reach_px
+    })
 }
 
 /// Greatest share of a line's points that may be farther than their bound from the tile joint. A wire, a crumb or a worn stretch that passes the
@@ -205,6 +223,18 @@ mod tests {
             };
             Floor { strips: vec![strip], ..floor }
         });
+    }
+
+    #[test]
+    fn a_joint_of_tiles_larger_than_the_view_is_claimed() {
+        // One joint crosses the view; those across it, and the next ones along it, lie 700 px from the image's centre, beyond its corners.
+        let tally = trial("lone joints", 10, 12, |random| Floor {
+            edge_px: [1400.0, 1400.0],
+            phase_px: [random.between(-120.0, 120.0), 700.0],
+            electrons: 1700.0,
+            ..plain_floor(random)
+        });
+        assert!(found_share(&tally) > 0.9, "{}", found_share(&tally));
     }
 
     #[test]
