@@ -624,3 +624,36 @@ fn exposures_and_rows_that_take_longer_than_a_period_are_refused() {
     let fits = with("[robot.forward_camera]\nsensor.exposure_s = 0.0521\nlens.row_time_s = 0.0001");
     Scene::parse(&fits, "fits.toml").unwrap_or_else(|error| panic!("failed to {error}"));
 }
+
+#[test]
+fn a_route_through_mapped_furniture_and_a_person_through_a_shelf_are_refused() {
+    // The way from (0.6, 0.6) to (2.4, 1.2) passes the piece's middle; the body's radius is that of the default robot.
+    let piece = "[[furniture]]\nx_m = 1.5\ny_m = 0.9\nsize_m = [0.2, 0.2]\n";
+    let parts = ["`route.waypoint[0].x_m", "[0.6, 0.6] to [2.4, 1.2]", "furniture[0]", "`mapped = false`"];
+    assert_refused("route_through_furniture", blind_scene(1.0, piece), &parts);
+    // The same piece beside the way, and one that the robot is to run into.
+    for fine in [piece.replace("y_m = 0.9", "y_m = 1.7"), format!("{piece}mapped = false\n")] {
+        let scene = Scene::parse(&blind_scene(1.0, &fine), "scene.toml");
+        assert!(scene.is_ok(), "{fine}: {:?}", scene.err());
+    }
+    let shelf = "[[furniture]]\nx_m = 1.5\ny_m = 1.7\nsize_m = [0.2, 0.2]\n";
+    let person = |ways: &str| format!("{shelf}[[person]]\nwaypoints_m = {ways}\n");
+    let through = blind_scene(1.0, &person("[[0.6, 1.65], [2.4, 1.65]]"));
+    let parts = ["`person[0].waypoints_m", "[0.6, 1.65] to [2.4, 1.65]", "through furniture[0]"];
+    assert_refused("person_through_shelf", through, &parts);
+    assert_refused("person_in_shelf", blind_scene(1.0, &person("[[1.5, 1.7]]")), &["furniture[0]"]);
+    assert!(Scene::parse(&blind_scene(1.0, &person("[[0.6, 1.5], [2.4, 1.5]]")), "scene.toml").is_ok());
+}
+
+#[test]
+fn a_listed_method_without_its_device_is_refused() {
+    let scene = blind_scene(
+        1.0,
+        "[markers]\n[robot.ceiling_camera]\n[localizer]\nmethods = [\"ceiling_markers\", \"floor_tiles\"]\n",
+    );
+    assert_refused(
+        "unfitted_method",
+        scene,
+        &["`localizer.methods", "`floor_tiles` among them", "`robot.floor_camera`"],
+    );
+}

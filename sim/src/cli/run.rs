@@ -85,6 +85,9 @@ struct Recorded {
 /// Runs every scene with every seed that the arguments name, and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = arguments.which.load()?;
+    for file in &files {
+        file.scene.remarks().iter().for_each(|remark| eprintln!("wherein: {}: {remark}", file.path.display()));
+    }
     run_files::prepare(&arguments.out)?;
     arguments.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     // Opening a graphics adapter takes a moment, and a scene without a camera needs none.

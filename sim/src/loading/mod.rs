@@ -6,6 +6,7 @@ mod setting;
 mod upgrade;
 mod places;
 mod markers;
+mod remarks;
 pub mod coverage;
 
 pub use files::SceneFile;

@@ -11,7 +11,7 @@ mod things;
 use super::parse::Contradiction;
 use crate::{
     place::building::GroundPlan,
-    scene::{Event, MethodName, Scene, conform::nearest},
+    scene::{Event, LocalizerSetup, Scene, conform::nearest},
 };
 
 /// Steepest ramp at the edge of a carpet. Rubber of friction 0.8 holds on this slope, and wheels keep their load.
@@ -22,6 +22,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     let mut found = Vec::new();
     drive(scene, &mut found);
     robot_places(scene, &mut found);
+    route_legs(scene, &mut found);
     floor_places(scene, &mut found);
     things::contradictions(scene, &mut found);
     methods(scene, &mut found);
@@ -115,6 +116,31 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
 }
 
+/// Checks that a route's straight ways lead through no furniture that is on the map. The robot does not plan a route's ways but drives them, and would
+/// push at the furniture until the run ends.
+fn route_legs(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let Some(route) = &scene.route else { return };
+    let radius_m = scene.robot.body_radius_m;
+    let mut from_m = [scene.start.x_m, scene.start.y_m];
+    for (index, waypoint) in route.waypoints.iter().enumerate() {
+        let way_m = [from_m, [waypoint.x_m, waypoint.y_m]];
+        for (number, piece) in scene.furniture.iter().enumerate().filter(|(_, piece)| piece.is_mapped()) {
+            // Where an end of the way is itself too near, the place is refused already.
+            let ends_apart = way_m.iter().all(|at_m| piece.distance_m(*at_m) >= radius_m);
+            if ends_apart && things::meets(piece, way_m, radius_m) {
+                let [[x0_m, y0_m], [x1_m, y1_m]] = way_m;
+                let expected = format!(
+                    "the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] leads through or by furniture[{number}], expected {} m \
+                     of distance, the radius of the robot's body, or `mapped = false` for furniture that it is to run into",
+                    short(radius_m)
+                );
+                found.push(Contradiction { key: format!("route.waypoint[{index}].x_m"), expected });
+            }
+        }
+        from_m = way_m[1];
+    }
+}
+
 /// Checks the widths below which an estimate counts as available. An estimate that says no more than the room itself must not count.
 fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
     let setup = &scene.localizer;
@@ -137,8 +163,9 @@ fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
 /// Checks that the robot has the device that each localization method reads, that no method is listed twice, and that the range camera's numbers of
 /// wrong landmarks and its ranges leave it something to measure.
 fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
-    // The device of the method `floor_tiles` needs no check, as this method is in the list by default and reads tiles only where there are any.
-    let stated = scene.localizer.methods.iter().filter(|method| **method != MethodName::FloorTiles);
+    // The list that scenes have by default holds `floor_tiles` alone, which then reads tiles only where there are any.
+    let is_default = scene.localizer.methods == LocalizerSetup::default().methods;
+    let stated = scene.localizer.methods.iter().filter(|_| !is_default);
     for (method, device) in stated.filter_map(|method| Some((method, scene.robot.lacks(*method)?))) {
         let name = serde_json::to_value(method).unwrap_or_default();
         let expected =

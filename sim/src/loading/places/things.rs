@@ -1,9 +1,9 @@
-//! Contradictions about furniture, landmarks and people: places outside every room, and paths through walls.
+//! Contradictions about furniture, landmarks and people: places outside every room, and paths through walls and furniture.
 
 use crate::{
     loading::parse::Contradiction,
     place::building::{Doorway, Enclosure, GroundPlan, Panel, enclosures, wall_panels},
-    scene::{Person, Scene, Station},
+    scene::{Furniture, Person, Scene, Station},
 };
 use nalgebra::Vector2;
 
@@ -26,7 +26,9 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
     let walls = wall_panels(scene, &rooms);
     for (index, person) in scene.people.iter().enumerate() {
-        let expected = person_problem(&floor, &walls, person).or_else(|| meets_start(scene, person));
+        let expected = person_problem(&floor, &walls, person)
+            .or_else(|| meets_furniture(scene, person))
+            .or_else(|| meets_start(scene, person));
         found.extend(expected.map(|expected| Contradiction { key: format!("person[{index}].waypoints_m"), expected }));
     }
 }
@@ -77,6 +79,41 @@ fn person_problem(floor: &Floor<'_>, walls: &[Panel], person: &Person) -> Option
     let leg = ways_m.windows(2).find(|leg| is_near([leg[0], leg[1]]))?;
     let [[x0_m, y0_m], [x1_m, y1_m]] = [leg[0], leg[1]];
     Some(format!("the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] comes too near to a wall, {margin}"))
+}
+
+/// Checks that no person stands in furniture or walks through it, as nobody can. A shoulder may reach over the edge of a table, so that it is the
+/// middle of the body that must keep out.
+fn meets_furniture(scene: &Scene, person: &Person) -> Option<String> {
+    let ways_m = &person.waypoints_m;
+    // A person with a single waypoint stands there.
+    let stands = ways_m.first().map(|at_m| [*at_m; 2]);
+    let legs = stands.into_iter().chain(ways_m.windows(2).map(|leg| [leg[0], leg[1]]));
+    let met = |leg: [[f64; 2]; 2]| {
+        let index = scene.furniture.iter().position(|piece| meets(piece, leg, 2.0 * ROUNDING_M))?;
+        Some((leg, index))
+    };
+    let ([[x0_m, y0_m], [x1_m, y1_m]], index) = legs.into_iter().find_map(met)?;
+    Some(format!(
+        "the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] leads through furniture[{index}], expected a way beside it"
+    ))
+}
+
+/// Whether a straight way leads through a piece of furniture or comes nearer to it than `keep_m`.
+pub(super) fn meets(piece: &Furniture, way_m: [[f64; 2]; 2], keep_m: f64) -> bool {
+    let way = way_m.map(Vector2::from);
+    piece.distance_m(way_m[0]) == 0.0
+        || sides(piece).into_iter().any(|side| distance_m(way, side) < keep_m - ROUNDING_M)
+}
+
+/// The four sides of a piece of furniture's footprint.
+fn sides(piece: &Furniture) -> [[Vector2<f64>; 2]; 4] {
+    let (sin, cos) = piece.rotation_deg.to_radians().sin_cos();
+    let [along_m, across_m] = piece.size_m.map(|extent_m| 0.5 * extent_m);
+    let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[one, other]: [f64; 2]| {
+        let (forward_m, left_m) = (one * along_m, other * across_m);
+        Vector2::new(piece.x_m + cos * forward_m - sin * left_m, piece.y_m + sin * forward_m + cos * left_m)
+    });
+    [0, 1, 2, 3].map(|index| [corners[index], corners[(index + 1) % 4]])
 }
 
 /// Checks that no person stands where the robot may be put down, at the start or at a station, as the physics would push each through the other from

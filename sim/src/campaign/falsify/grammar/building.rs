@@ -28,11 +28,18 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
         landmark
             .insert("height_m".to_owned(), Value::Float(rounded((height_m + dice.uniform(-0.12, 0.12)).max(0.02), 3)));
     }
+    // People walk about furniture, as the robot does.
+    let obstacles = Obstacles::of(scene, room_m, 0.0);
     for (index, person) in items(scene, "person").enumerate() {
         let mut dice = draws.dice(&format!("ways of person {index}"));
         let margin_m = number(person, "radius_m").unwrap_or(0.25) + 0.02;
         let count = person.get("waypoints_m").and_then(Value::as_array).map_or(1, Vec::len);
-        let ways = (0..count).map(|_| pair(inside(&mut dice, room_m, margin_m))).collect();
+        let (mut ways, mut from_m) = (Vec::with_capacity(count), None);
+        for _ in 0..count {
+            let at_m = obstacles.free_place(&mut dice, margin_m, from_m);
+            ways.push(pair(at_m));
+            from_m = Some(at_m);
+        }
         person.insert("waypoints_m".to_owned(), Value::Array(ways));
     }
     if has_cameras {
@@ -132,7 +139,7 @@ fn settle_light(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robo
     }
 }
 
-/// The room, the robot's radius, and the obstacles to be kept clear of: a circle around each piece of furniture.
+/// The room, the radius of a body that moves in it, and the obstacles to be kept clear of: a circle around each piece of furniture.
 pub(super) struct Obstacles {
     room_m: [f64; 2],
     body_radius_m: f64,
@@ -150,7 +157,7 @@ impl Obstacles {
         Obstacles { room_m, body_radius_m, circles: items(scene, "furniture").filter_map(circle).collect() }
     }
 
-    /// Draws a position of the robot with `margin_m` between its body and every obstacle, also along the straight path from `from_m`. If no such
+    /// Draws a position of the body with `margin_m` between it and every obstacle, also along the straight path from `from_m`. If no such
     /// position is found, the last one tried is returned: the scene is then refused, or the robot bumps into something.
     pub(super) fn free_place(&self, dice: &mut Dice, margin_m: f64, from_m: Option<[f64; 2]>) -> [f64; 2] {
         /// Number of positions of the robot to try: in rooms half full of furniture nine in ten positions are not free.
