@@ -10,7 +10,7 @@ use crate::{
     place::navigation::{OccupancyGrid, map_server},
 };
 
-use super::{CommandError, print};
+use super::{CommandError, print, reading::while_reading};
 
 /// Arguments of `wherein map`.
 #[derive(Debug, Args)]
@@ -25,7 +25,8 @@ pub(super) struct MapArguments {
 
 /// Writes the map of each scene and prints the path of its file.
 pub(super) fn write_map(arguments: &MapArguments) -> Result<(), CommandError> {
-    for file in SceneFile::load_all(slice::from_ref(&arguments.scene))? {
+    let files = while_reading(|| SceneFile::load_all(slice::from_ref(&arguments.scene)))?;
+    for file in files {
         let folder = arguments.out.join(&file.name);
         run_files::prepare(&folder)?;
         let path = map_server::write(&OccupancyGrid::of(&file.scene), &folder, "map")?;

@@ -22,6 +22,7 @@ mod github;
 mod manual;
 mod map;
 mod markers;
+mod reading;
 mod render;
 mod replay;
 mod report;

@@ -10,7 +10,7 @@ use clap::Args;
 
 use localizer::{Pose, reading::Camera};
 
-use super::{CommandError, print};
+use super::{CommandError, print, reading::while_reading};
 use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     loading::SceneFile,
@@ -109,7 +109,7 @@ pub(super) fn illuminance(text: &str) -> Result<f64, String> {
 
 /// Renders the pictures that the arguments ask for and prints the names of their files.
 pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Result<(), CommandError> {
-    let mut files = SceneFile::load_all(std::slice::from_ref(&arguments.scene))?;
+    let mut files = while_reading(|| SceneFile::load_all(std::slice::from_ref(&arguments.scene)))?;
     if files.len() != 1 {
         return Err(CommandError::SeveralScenes { path: arguments.scene.clone(), count: files.len() });
     }

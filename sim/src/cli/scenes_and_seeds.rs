@@ -7,9 +7,10 @@ use clap::Args;
 use crate::{
     campaign::sweep::Seeds,
     loading::{SceneFile, SceneTemplate, Setting},
+    scene::SceneError,
 };
 
-use super::CommandError;
+use super::{CommandError, reading::while_reading};
 
 /// Arguments that name the runs of a command.
 #[derive(Debug, Args)]
@@ -31,11 +32,14 @@ pub(super) struct ScenesAndSeeds {
 impl ScenesAndSeeds {
     /// Loads the scenes, with the keys that are set. Errors for a file that is no valid scene, or becomes none by what is set.
     pub(super) fn load(&self) -> Result<Vec<SceneFile>, CommandError> {
-        let files = SceneFile::load_all(&self.paths)?;
-        if self.set.is_empty() {
-            return Ok(files);
-        }
-        Ok(files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&self.set)).collect::<Result<_, _>>()?)
+        let load = || -> Result<Vec<SceneFile>, SceneError> {
+            let files = SceneFile::load_all(&self.paths)?;
+            if self.set.is_empty() {
+                return Ok(files);
+            }
+            files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&self.set)).collect()
+        };
+        Ok(while_reading(load)?)
     }
 
     /// Seeds with which each scene runs.

@@ -9,6 +9,7 @@
 //! A rotation turns a direction by at most its own angle, so that a direction that lies farther than that inside all planes stays inside.
 
 mod field;
+mod kept;
 mod lattice;
 
 use std::{
@@ -22,6 +23,7 @@ use localizer::Pose;
 use crate::scene::{Layout, Markers, Scene};
 
 pub use field::Field;
+pub use kept::smallest_kept;
 pub use lattice::{Ceiling, Unlaid, smallest};
 
 /// The goal of a marker coverage: what the ceiling camera has to see from every pose.

@@ -2,7 +2,7 @@
 
 use super::parse::Contradiction;
 use crate::{
-    loading::coverage::{Ceiling, Field, Unlaid, reach, smallest},
+    loading::coverage::{Ceiling, Field, Unlaid, reach, smallest_kept},
     scene::{Marker, Scene, UNDER_CEILING_M},
 };
 
@@ -30,7 +30,7 @@ impl Scene {
             most_markers: words.len(),
         };
         let field = Field::new(self, markers.goal().margin_px);
-        let places = field.ok_or(Unlaid::Uncovered).and_then(|field| smallest(&field, &ceiling)).map_err(|unlaid| {
+        let places = field.ok_or(Unlaid::Uncovered).and_then(|field| smallest_kept(&field, &ceiling)).map_err(|unlaid| {
             refused(match unlaid {
                 Unlaid::Uncovered => "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling camera, \
                                       or smaller tolerances"
