@@ -171,3 +171,12 @@ fn help_teaches_by_example() {
         assert!(stdout.contains(part), "`{part}` is missing in:\n{stdout}");
     }
 }
+
+#[test]
+fn a_seed_below_zero_is_refused_as_a_value_and_not_as_an_argument() {
+    let folder = folder("seed_below_zero");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--seed", "-1"]));
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("invalid value '-1' for '--seed <N>'"), "{stderr}");
+}

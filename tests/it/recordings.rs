@@ -205,6 +205,17 @@ fn equal_runs_leave_equal_recordings() {
 }
 
 #[test]
+fn a_run_is_recorded_in_both_forms_at_once() {
+    let place = folder("recording_both");
+    fs::write(place.join("scene.toml"), blind_scene(0.5, "")).unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&place, &["run", "scene.toml", "--record", "--ros2"]));
+    assert_eq!(code, 0, "{stderr}");
+    let run = place.join("renders/scene/0");
+    let counted = |path: &str| messages(&run.join(path)).into_values().map(|all| all.len()).sum::<usize>();
+    assert!(counted("recording.mcap") > 50 && counted("rosbag2/rosbag2_0.mcap") > 50);
+}
+
+#[test]
 fn other_ticks_are_told_by_the_replay_and_its_exit_code() {
     let place = folder("replay_other");
     let recording = recorded_blind(&place, "out", "--record").join("recording.mcap");

@@ -93,17 +93,17 @@ pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict
     write_with(out, file, record, verdict, None)
 }
 
-/// Writes like [`write()`], and adds the recording that was made during the run.
+/// Writes like [`write()`], and adds the recordings that were made during the run.
 pub fn write_with(
     out: &Path,
     file: &SceneFile,
     record: &RunRecord,
     verdict: &Verdict,
-    recording: Option<Recording>,
+    recordings: impl IntoIterator<Item = Recording>,
 ) -> Result<PathBuf, RecordError> {
     let target = folder(out, &file.name, record.seed);
     clear_stale(target.parent().unwrap_or(out));
-    replace_whole(&target, |partial| fill(partial, file, record, verdict, recording))?;
+    replace_whole(&target, |partial| fill(partial, file, record, verdict, recordings))?;
     Ok(target)
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn fill(
     file: &SceneFile,
     record: &RunRecord,
     verdict: &Verdict,
-    recording: Option<Recording>,
+    recordings: impl IntoIterator<Item = Recording>,
 ) -> Result<(), RecordError> {
     let write = |name: &str, content: String| {
         let path = partial.join(name);
@@ -215,7 +215,7 @@ pub(crate) fn fill(
     }
     write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
     let summary = Summary::of(file, record, verdict);
-    if let Some(recording) = recording {
+    for recording in recordings {
         recording.finish(&summary, partial)?;
     }
     write("summary.json", summary.to_text())

@@ -41,7 +41,7 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "lux=A,B,…")]
     contact_sheet: Option<Lights>,
     /// Seed of the camera mounts, the floor tiles and the image noise.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
     /// Folder for the results. The pictures are written into a subfolder with the scene's name.
     #[arg(long, value_name = "DIR", default_value = "renders")]

@@ -49,7 +49,7 @@ pub(super) struct RunArguments {
     #[arg(long)]
     record: bool,
     /// Write the recording as rosbag2/, a bag that ROS 2 and `evo` open; boxes are stored as ROS 2 markers.
-    #[arg(long, conflicts_with = "record")]
+    #[arg(long)]
     ros2: bool,
     /// Serve the run in real time to viewers such as Foxglove; the first run begins when a viewer has connected.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
@@ -142,8 +142,10 @@ fn run_one(
     let mut start = bar.position();
     let renderer = renderer.filter(|_| file.scene.has_camera());
     let options = RunOptions { keep_images: arguments.frames };
-    let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
-    let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
+    let recording =
+        |is_asked: bool, form: Form| is_asked.then(|| Recording::begin(&arguments.out, file, seed, form)).transpose();
+    let recordings = (recording(arguments.record, Form::Foxglove)?, recording(arguments.ros2, Form::Ros2)?);
+    let mut witnesses = (recordings, live.map(|server| server.begin(&file.scene)));
     let mut progress = |progress| match progress {
         Progress::At { simulated_s } => bar.set_position(start + milliseconds(simulated_s)),
         Progress::Again { number, lasts_s } => {
@@ -156,18 +158,16 @@ fn run_one(
     let choice = arguments.tested.choice();
     let (run_record, verdict) =
         run_judged(&file.scene, seed, &choice, &options, renderer, &mut witnesses, &mut progress)?;
-    let (recording, _) = witnesses;
-    let folder = run_files::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
+    let ((foxglove, ros2), _) = witnesses;
+    let recordings = foxglove.into_iter().chain(ros2);
+    let folder = run_files::write_with(&arguments.out, file, &run_record, &verdict, recordings)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
 }
 
-/// Returns the form of recording that the user asks for, if any.
-fn form(arguments: &RunArguments) -> Option<Form> {
-    match (arguments.ros2, arguments.record) {
-        (true, _) => Some(Form::Ros2),
-        (false, true) => Some(Form::Foxglove),
-        (false, false) => None,
-    }
+/// Returns the forms of recordings that the user asks for.
+fn forms(arguments: &RunArguments) -> impl Iterator<Item = Form> + use<> {
+    let asked = [(arguments.record, Form::Foxglove), (arguments.ros2, Form::Ros2)];
+    asked.into_iter().filter_map(|(is_asked, form)| is_asked.then_some(form))
 }
 
 /// Returns the run as an earlier process recorded it, if that record is of the same scene and program and has all files that the user asks for.
@@ -178,7 +178,7 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     }
     // An unreadable record is no reason to stop: the run is done again and replaces the record.
     let Ok(Some((summary, timing))) = run_files::read(&folder) else { return Ok(None) };
-    if form(arguments).is_some_and(|form| !folder.join(form.path()).exists()) {
+    if forms(arguments).any(|form| !folder.join(form.path()).exists()) {
         return Ok(None);
     }
     let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()

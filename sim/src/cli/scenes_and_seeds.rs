@@ -19,7 +19,7 @@ pub(super) struct ScenesAndSeeds {
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     /// Seed of everything that is drawn at random in the run.
-    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds", allow_negative_numbers = true)]
     seed: u64,
     /// Range of seeds, A included and B not; each scene runs with each of these seeds.
     #[arg(long, value_name = "A..B")]

@@ -46,7 +46,8 @@ impl Recording {
         let target = folder(out, &file.name, seed);
         let beside = target.parent().unwrap_or(out);
         naming("create the folder", beside, fs::create_dir_all(beside))?;
-        let path = beside.join(format!(".{seed}-{}.mcap.partial", process::id()));
+        // A run may be recorded in both forms at once.
+        let path = beside.join(format!(".{seed}-{}-{form:?}.mcap.partial", process::id()));
         let stream = naming("create", &path, File::create(&path))?;
         let options = WriteOptions::new()
             .profile("ros2")
