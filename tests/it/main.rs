@@ -167,6 +167,8 @@ mod corner_runs;
 /// Tests of doubt: what the localizer doubts, how soon, and when its box contains the truth again.
 mod contradictions;
 mod doubts;
+/// Tests of what a new user meets first: default cameras, a hobby robot's encoders, large tiles, and scenes that leave the localizer nothing to read.
+mod newcomer;
 /// Tests of readings that come long after the slot (stored pose) before them, or after silent wheels, and of headings when nothing else is known.
 mod slots;
 /// Tests that every bound that an estimate relies on is checked against the truth, and that every checked bound is relied on.
