@@ -1,4 +1,11 @@
 //! Readings of the range camera: the columns at which its two views see landmarks.
+//!
+//! A sighting whose columns are not those of the landmark that its code names has a wrong code. In a witness other codes may be wrong than in truth, as
+//! many and as far apart as declared.
+
+mod codes;
+
+use std::collections::BTreeSet;
 
 use interval::Interval;
 use localizer::{bounds, reading::Sighting, robot::RangeCameraModel};
@@ -8,17 +15,18 @@ use super::{
     kind::{Broken, Declared, Kind, Linearised, demand, within},
     number::{Number, turned_about, turned_by},
 };
+use codes::Codes;
 
 /// What the range camera saw at one stamp.
 pub(super) struct Look {
     pub(super) stamp: usize,
     /// Stamp that the camera gave the reading.
     pub(super) measured_s: f64,
-    /// Sightings whose codes are those of the landmarks seen. One that names another landmark bounds nothing; which ones do is that of the truth.
+    /// Sightings, each with the code that the camera gave it. One that names another landmark bounds nothing.
     pub(super) sightings: Vec<Sighting>,
 }
 
-/// All readings of the range camera that have arrived by an instant.
+/// All readings of the range camera that have arrived by an instant, in the order of measurement.
 pub(super) struct Range {
     pub(super) looks: Vec<Look>,
     pub(super) model: RangeCameraModel,
@@ -83,12 +91,50 @@ impl Range {
         [cell(sighting.left_px, 0), cell(sighting.right_px, 1)]
     }
 
+    /// How far a sighting's columns are from the middle of their cells, as a share of half a cell, where that share is greatest; infinite for a landmark
+    /// that is not in front of the camera.
+    fn used(&self, history: &History, look: &Look, sighting: &Sighting) -> f64 {
+        let inputs: Inputs<f64> = Range::inputs(history, look, &Range::quantities(look.stamp, sighting.landmark.0));
+        let (columns, depth_m) = columns_px(&inputs, self.model.height_m);
+        let used =
+            columns.into_iter().zip(self.cells_px(sighting)).map(|(at, cell)| (at - cell.mid()).abs() / cell.radius());
+        if depth_m > 0.0 { used.fold(0.0, f64::max) } else { f64::INFINITY }
+    }
+
+    /// Demands that a sighting's columns surely are those of the landmark that its code names.
+    fn check_columns(&self, history: &History, look: &Look, sighting: &Sighting, slack: f64) -> Result<(), Broken> {
+        let time_s = history.stamps_s[look.stamp];
+        let inputs: Inputs<Interval> =
+            Range::inputs(history, look, &Range::quantities(look.stamp, sighting.landmark.0));
+        let (columns, depth_m) = columns_px(&inputs, Interval::point(self.model.height_m));
+        let ahead = Interval::new(0.0, f64::INFINITY);
+        demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, depth_m, ahead)?;
+        for (column, cell) in columns.into_iter().zip(self.cells_px(sighting)) {
+            demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, column, cell)?;
+        }
+        Ok(())
+    }
+
     fn codes(&self) -> Vec<u32> {
         let mut codes: Vec<u32> =
             self.looks.iter().flat_map(|look| look.sightings.iter().map(|sighting| sighting.landmark.0)).collect();
         codes.sort_unstable();
         codes.dedup();
         codes
+    }
+}
+
+impl Range {
+    /// The sightings, each given by its look and its place there, whose codes the search takes for wrong: those that are, and of those whose columns are
+    /// nearly at the ends of their cells as many as may be.
+    fn wrong(&self, history: &History) -> BTreeSet<(usize, usize)> {
+        if self.model.q_items == 0 {
+            return BTreeSet::new();
+        }
+        let looks = self.looks.iter().map(|look| {
+            look.sightings.iter().map(|sighting| (sighting.landmark, self.used(history, look, sighting))).collect()
+        });
+        codes::most_used(&looks.collect::<Vec<_>>(), self.model.q_items, self.model.wrong_spacing)
     }
 }
 
@@ -118,22 +164,15 @@ impl Kind for Range {
     }
 
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
-        let height_m = Interval::point(self.model.height_m);
         let tilt = [0, 1].map(|axis| Interval::point(history.value(Quantity::RangeTilt(axis))));
         let tilt_rad = tilt[0].hypot(tilt[1]);
         let most_rad = within(Interval::point(self.model.tilt_rad));
         demand(slack, bounds::RANGE_CAMERA_TILT, history.stamps_s[0], tilt_rad, most_rad)?;
+        let mut codes = Codes::new(&self.model);
         for look in &self.looks {
-            let time_s = history.stamps_s[look.stamp];
+            codes.begin(history.stamps_s[look.stamp]);
             for sighting in &look.sightings {
-                let quantities = Range::quantities(look.stamp, sighting.landmark.0);
-                let inputs: Inputs<Interval> = Range::inputs(history, look, &quantities);
-                let (columns, depth_m) = columns_px(&inputs, height_m);
-                let ahead = Interval::new(0.0, f64::INFINITY);
-                demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, depth_m, ahead)?;
-                for (column, cell) in columns.into_iter().zip(self.cells_px(sighting)) {
-                    demand(slack, bounds::RANGE_CAMERA_COLUMNS, time_s, column, cell)?;
-                }
+                codes.take(sighting.landmark, self.check_columns(history, look, sighting, slack))?;
             }
         }
         Ok(())
@@ -141,9 +180,13 @@ impl Kind for Range {
 
     fn add_rows(&self, near: &mut Linearised<'_>) {
         near.add_disc([0, 1].map(Quantity::RangeTilt), self.model.tilt_rad);
-        for look in &self.looks {
+        let wrong = self.wrong(near.history);
+        for (at_look, look) in self.looks.iter().enumerate() {
             let velocity = near.history.velocity_at(look.stamp);
-            for sighting in &look.sightings {
+            for (at_sighting, sighting) in look.sightings.iter().enumerate() {
+                if wrong.contains(&(at_look, at_sighting)) {
+                    continue;
+                }
                 let quantities = Range::quantities(look.stamp, sighting.landmark.0);
                 let inputs: Inputs<f64> = Range::inputs(near.history, look, &quantities);
                 let at = columns_px(&inputs, self.model.height_m).0;

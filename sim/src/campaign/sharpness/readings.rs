@@ -166,12 +166,12 @@ impl<'a> Readings<'a> {
         let looks = self.observations.iter().filter_map(|observation| {
             let Reading::Range { measured_s, arrived_s, sightings } = &observation.reading else { return None };
             let stamp = history.stamp_at(observation.truth.time_s).filter(|_| *arrived_s <= time_s)?;
-            let own = sightings.iter().zip(&observation.codes).filter(|(_, (_, is_own))| *is_own);
-            let sightings = own.map(|(sighting, _)| *sighting).collect();
-            Some(Look { stamp, measured_s: *measured_s, sightings })
+            Some(Look { stamp, measured_s: *measured_s, sightings: sightings.clone() })
         });
+        let mut looks: Vec<Look> = looks.collect();
+        looks.sort_by_key(|look| look.stamp);
         let stamp_error_s = self.scene.robot.range_camera.as_ref()?.stamp_tolerance_s;
-        Some(Range { looks: looks.collect(), model, stamp_error_s })
+        Some(Range { looks, model, stamp_error_s })
     }
 
     /// The history with the true values of all quantities that the kinds name.

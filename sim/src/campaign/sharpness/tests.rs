@@ -1,5 +1,6 @@
 //! Histories made by hand: one keeps every bound, and for each bound another breaks it by a hair.
 
+mod codes;
 mod drive;
 mod images;
 
