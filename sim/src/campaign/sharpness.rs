@@ -12,6 +12,8 @@
 mod dots;
 mod eye;
 mod floor;
+mod flow;
+mod gains;
 mod gyro;
 mod history;
 mod joints;
@@ -21,6 +23,7 @@ mod number;
 mod outline;
 mod range;
 mod readings;
+mod rest;
 mod search;
 mod wheels;
 

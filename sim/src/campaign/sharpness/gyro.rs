@@ -15,7 +15,10 @@ pub(super) struct TurnRate {
     pub(super) rate_rad_per_s: f64,
 }
 
-/// All gyroscope readings that have arrived by an instant. The bias is constant.
+/// All gyroscope readings that have arrived by an instant.
+///
+/// Where the bias wanders, the history's bias is the constant one from which errors count for the angle that they add up to. The bias at each reading is
+/// then any within its bounds that changes no faster than declared.
 pub(super) struct Gyro {
     pub(super) readings: Vec<TurnRate>,
     pub(super) model: GyroModel,
@@ -57,15 +60,10 @@ impl Kind for Gyro {
     }
 
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
-        let most = within(Interval::point(self.model.noise_rad_per_s));
-        for reading in &self.readings {
-            demand(
-                slack,
-                bounds::GYRO_NOISE,
-                history.stamps_s[reading.to],
-                self.noise_rad_per_s(history, reading),
-                most,
-            )?;
+        if self.model.bias_wander_rad_per_s2 > 0.0 {
+            self.check_wander(history, slack)?;
+        } else {
+            self.check_noise(history, slack)?;
         }
         if !self.model.bounds_angle() {
             return Ok(());
@@ -114,6 +112,44 @@ impl Kind for Gyro {
 }
 
 impl Gyro {
+    /// Checks the noise of each reading about the constant bias.
+    fn check_noise(&self, history: &History, slack: f64) -> Result<(), Broken> {
+        let most = within(Interval::point(self.model.noise_rad_per_s));
+        for reading in &self.readings {
+            let time_s = history.stamps_s[reading.to];
+            demand(slack, bounds::GYRO_NOISE, time_s, self.noise_rad_per_s(history, reading), most)?;
+        }
+        Ok(())
+    }
+
+    /// Checks that some bias which wanders no faster than declared leaves each reading no more noise than declared: the biases are followed from reading to
+    /// reading that the readings so far allow.
+    fn check_wander(&self, history: &History, slack: f64) -> Result<(), Broken> {
+        let widened = 1.0 + slack;
+        let within_rad_per_s = self.model.bias_rad_per_s.inflate(slack * self.model.bias_rad_per_s.magnitude());
+        let constant = Interval::point(history.value(Quantity::GyroBias));
+        let mut bias = within_rad_per_s;
+        for reading in &self.readings {
+            let time_s = history.stamps_s[reading.to];
+            let value = self.noise_rad_per_s(history, reading) + constant;
+            // Inner intervals: their ends are rounded inwards.
+            let inner = |low: Interval, high: Interval| Interval::new(low.hi(), high.lo());
+            let noise = Interval::point(self.model.noise_rad_per_s) * widened;
+            let by_noise = inner(Interval::point(value.hi()) - noise, Interval::point(value.lo()) + noise);
+            let allowed = within_rad_per_s.intersect(by_noise);
+            if allowed.is_empty() {
+                return Err(Broken { bound: bounds::GYRO_NOISE, time_s, value, allowed: within_rad_per_s });
+            }
+            let wander = span_s(history, reading) * self.model.bias_wander_rad_per_s2 * widened;
+            let reached = inner(Interval::point(bias.lo()) - wander, Interval::point(bias.hi()) + wander);
+            bias = reached.intersect(allowed);
+            if bias.is_empty() {
+                return Err(Broken { bound: bounds::GYRO_WANDER, time_s, value: allowed, allowed: reached });
+            }
+        }
+        Ok(())
+    }
+
     /// Rows of the noise: between two knots a deviation changes the noise of all readings alike, so that the readings with the least and the greatest
     /// noise count.
     fn add_noise_rows(&self, near: &mut Linearised<'_>) {

@@ -45,6 +45,12 @@ pub(super) enum Quantity {
     GyroBias,
     /// Scale factor of the gyroscope.
     GyroScale,
+    /// Position of the place that the flow sensor looks at in the robot frame, forward (0) or left (1), in metres.
+    FlowPosition(usize),
+    /// Angle of the flow sensor's forward axis from the robot's, in radians.
+    FlowYaw,
+    /// Counts per metre of the flow sensor at its mounted height, as a share of the nominal number.
+    FlowScale,
     /// Position of the range camera's first view in the robot frame, forward (0) or left (1), in metres.
     RangePosition(usize),
     /// Direction of the range camera's optical axis from robot forward, in radians.

@@ -7,7 +7,7 @@ use localizer::{Map, Pose, PoseBox, Reading, RobotModel, reading::Camera};
 use crate::{
     devices::Observation,
     run::RunRecord,
-    scene::{MethodName, Scene},
+    scene::{Gyro as Gyroscope, MethodName, Scene},
     truth::Truth,
 };
 
@@ -16,12 +16,14 @@ use super::{
     dots::{self, Dots},
     eye::Eye,
     floor::Floor,
+    flow::{Counts, Flow},
     gyro::{Gyro, TurnRate},
     history::{History, Quantity},
     joints::Joints,
     kind::{Declared, Kind},
     motion::Motion,
     range::{Look, Range},
+    rest::Rest,
     wheels::Wheels,
 };
 
@@ -31,15 +33,10 @@ pub(super) fn unsupported(scene: &Scene) -> Option<(&'static str, String, &'stat
     if !scene.stations.is_empty() {
         return Some(("station", "given".to_owned(), "a drive"));
     }
-    if let Some(gyro) = robot.gyro.as_ref().filter(|gyro| gyro.bias_wander_deg_per_s2 > 0.0) {
+    let wanders = |gyro: &&Gyroscope| gyro.bias_wander_deg_per_s2 > 0.0 && gyro.angle_floor_deg.is_none();
+    if let Some(gyro) = robot.gyro.as_ref().filter(wanders) {
         let value = gyro.bias_wander_deg_per_s2.to_string();
-        return Some(("robot.gyro.bias_wander_deg_per_s2", value, "0, a constant bias"));
-    }
-    if robot.flow.is_some() {
-        return Some(("robot.flow", "given".to_owned(), "false, as readings of flow sensors are not checked"));
-    }
-    if let Some(degrees) = scene.bounds.rest_turn_deg {
-        return Some(("bounds.rest_turn_deg", degrees.to_string(), "none, as turns at rest are not checked"));
+        return Some(("robot.gyro.bias_wander_deg_per_s2", value, "0, or `angle_floor_deg` beside it"));
     }
     for camera in [Camera::Floor, Camera::Ceiling] {
         let row_time_s = robot.camera(camera).map_or(0.0, |keys| keys.shared().lens.row_time_s);
@@ -128,6 +125,8 @@ impl<'a> Readings<'a> {
         let motion = Motion { start: self.start, robot: self.robot.clone(), room_m: self.map.room_m, looks };
         let mut kinds: Vec<Box<dyn Kind>> = vec![Box::new(motion), Box::new(self.wheels(history, time_s))];
         kinds.extend(self.gyro(history, time_s).map(|gyro| Box::new(gyro) as Box<dyn Kind>));
+        kinds.extend(self.flow(history, time_s).map(|flow| Box::new(flow) as Box<dyn Kind>));
+        kinds.extend(self.rest(history, time_s).map(|rest| Box::new(rest) as Box<dyn Kind>));
         kinds.extend(range.map(|range| Box::new(range) as Box<dyn Kind>));
         kinds.extend(joints.map(|joints| Box::new(joints) as Box<dyn Kind>));
         kinds.extend(dots.map(|dots| Box::new(dots) as Box<dyn Kind>));
@@ -161,6 +160,42 @@ impl<'a> Readings<'a> {
         Some(Gyro { readings, model })
     }
 
+    /// Readings of the flow sensor, which the localizer uses only beside a gyroscope.
+    fn flow(&self, history: &History, time_s: f64) -> Option<Flow> {
+        let (keys, model) = (self.scene.robot.flow.clone()?, self.robot.flow?);
+        self.robot.gyro?;
+        let mut n_blind = 0;
+        let (mut readings, mut travelled_m) = (Vec::new(), Vec::new());
+        for observation in self.observations {
+            let Reading::Flow { arrived_s, counts, blind_periods, .. } = observation.reading else { continue };
+            let Some(stamp) = history.stamp_at(observation.truth.time_s).filter(|_| arrived_s <= time_s) else {
+                continue;
+            };
+            let is_blind = std::mem::replace(&mut n_blind, blind_periods) != blind_periods;
+            readings.push(Counts { stamp, counts, is_blind, beyond_m: [0.0; 2] });
+            travelled_m.push(observation.travel_m);
+        }
+        if readings.len() < 2 {
+            return None;
+        }
+        let mut flow = Flow { readings, keys, model };
+        let mut truth = history.clone();
+        for Declared { quantity, .. } in flow.declared(history) {
+            truth.quantities.insert(quantity, self.true_value(quantity).unwrap_or(f64::NAN));
+        }
+        flow.learn(&truth, &travelled_m);
+        Some(flow)
+    }
+
+    /// Times of rest. The localizer relies on how far the body turns meanwhile only where it learns the gyroscope's bias.
+    fn rest(&self, history: &History, time_s: f64) -> Option<Rest> {
+        let turn_deg = self.scene.bounds.rest_turn_deg.filter(|_| self.scene.localizer.learns_gyro)?;
+        let ticks = self.wheels(history, time_s).readings;
+        let arrived: Vec<(usize, [i64; 2])> =
+            ticks.into_iter().filter_map(|(stamp, ticks)| Some((stamp, ticks?))).collect();
+        Some(Rest::of(&arrived, history, turn_deg.to_radians()))
+    }
+
     fn range(&self, history: &History, time_s: f64) -> Option<Range> {
         let model = self.robot.range_camera.clone()?;
         let looks = self.observations.iter().filter_map(|observation| {
@@ -191,11 +226,15 @@ impl<'a> Readings<'a> {
         let (base, devices, place) = (&drawn.base, &drawn.devices, &drawn.place);
         let gyro = devices.gyro.as_ref();
         let range = devices.range_camera.as_ref();
+        let flow = devices.flow.as_ref();
         match quantity {
             Quantity::WheelRadius(wheel) => Some(base.wheel_radius_m[wheel]),
             Quantity::Track => Some(base.track_m),
             Quantity::GyroBias => gyro.map(|gyro| gyro.bias_rad_per_s),
             Quantity::GyroScale => gyro.map(|gyro| gyro.scale),
+            Quantity::FlowPosition(axis) => flow.map(|flow| flow.position_m[axis]),
+            Quantity::FlowYaw => flow.map(|flow| flow.yaw_rad),
+            Quantity::FlowScale => flow.map(|flow| flow.scale),
             Quantity::RangePosition(axis) => range.map(|range| range.position_m[axis]),
             Quantity::RangeYaw => range.map(|range| range.yaw_rad),
             Quantity::RangeTilt(axis) => range.map(|range| range.tilt_rad[axis]),

@@ -2,6 +2,7 @@
 
 mod codes;
 mod drive;
+mod flow;
 mod images;
 
 use std::f64::consts::TAU;

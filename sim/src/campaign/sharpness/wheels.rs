@@ -1,7 +1,5 @@
 //! Wheel readings: the counts of the ticks, the dimensions of the axle, slip and side slip.
 
-mod gains;
-
 use interval::Interval;
 use localizer::{
     bounds,
@@ -9,11 +7,11 @@ use localizer::{
 };
 
 use super::{
+    gains::Gains,
     history::{History, Quantity, Step, sums},
     kind::{Broken, Declared, Kind, Linearised, WHEEL, demand, within},
     outline::outline,
 };
-use gains::Gains;
 
 /// Time by which a window may be longer than declared and still count, because stamps are rounded.
 const ROUNDING_S: f64 = 1e-9;

@@ -103,6 +103,7 @@ impl Sensor for FlowSensor {
             return None;
         }
         self.n_readings += 1;
+        let travel_m = self.period.travel_m;
         self.close_period(truth);
         let counts = [0, 1].map(|axis| (self.followed_counts[axis] + self.phase[axis]).floor() as i64);
         let reading = Reading::Flow {
@@ -117,7 +118,7 @@ impl Sensor for FlowSensor {
             check(bounds::FLOW_SCALE, self.flow.varying_share(), self.scale_change),
             check(bounds::FLOW_BACK_AND_FORTH, self.flow.back_and_forth_m, self.back_and_forth_m),
         ];
-        Some(Observation { checks, ..Observation::new(reading, *truth) })
+        Some(Observation { checks, travel_m, ..Observation::new(reading, *truth) })
     }
 }
 

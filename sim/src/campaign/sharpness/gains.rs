@@ -1,6 +1,6 @@
 //! How the travel of the robot and of its wheels changes with the deviations of a linear program.
 
-use super::super::{history::Quantity, kind::Linearised};
+use super::{history::Quantity, kind::Linearised};
 
 /// How the travel between two stamps changes with the deviations at the knots, as sums up to each stamp.
 ///
