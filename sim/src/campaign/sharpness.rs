@@ -25,6 +25,7 @@ mod range;
 mod readings;
 mod rest;
 mod search;
+mod walls;
 mod wheels;
 
 #[cfg(test)]

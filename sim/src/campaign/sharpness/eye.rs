@@ -65,9 +65,17 @@ pub(super) struct Sight<T> {
 impl<T: Number> Sight<T> {
     /// The pixel at which a point of the world is seen, and its depth, which must be positive.
     pub(super) fn pixel(&self, point_m: Vector<T>) -> ([T; 2], T) {
-        let from_centre: Vector<T> = std::array::from_fn(|axis| point_m[axis] - self.centre_m[axis]);
-        let along = |axis: &Vector<T>| axis[0] * from_centre[0] + axis[1] * from_centre[1] + axis[2] * from_centre[2];
-        let [right, down, depth_m] = [along(&self.axes[0]), along(&self.axes[1]), along(&self.axes[2])];
+        self.pixel_of(self.in_camera(std::array::from_fn(|axis| point_m[axis] - self.centre_m[axis])))
+    }
+
+    /// A vector of the world in the camera's frame: right, down, ahead.
+    pub(super) fn in_camera(&self, vector: Vector<T>) -> Vector<T> {
+        let along = |axis: &Vector<T>| axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2];
+        [along(&self.axes[0]), along(&self.axes[1]), along(&self.axes[2])]
+    }
+
+    /// The pixel at which a point in the camera's frame is seen, and its depth, which must be positive.
+    pub(super) fn pixel_of(&self, [right, down, depth_m]: Vector<T>) -> ([T; 2], T) {
         let (x, y) = (right.over(depth_m), down.over(depth_m));
         let seen = if self.distortion == [0.0; 5] { [x, y] } else { self.bent(x, y) };
         (std::array::from_fn(|axis| self.focal_px[axis] * seen[axis] + self.principal_point_px[axis]), depth_m)
@@ -85,6 +93,22 @@ impl<T: Number> Sight<T> {
     }
 }
 
+impl Sight<f64> {
+    /// The point at depth 1 in the camera's frame that a pixel shows, to within rounding: what the lens bends is subtracted until it agrees.
+    pub(super) fn ray(&self, pixel: [f64; 2]) -> Vector<f64> {
+        /// Number of iterations, each of which leaves about a tenth of the error with a strong distortion.
+        const N_STEPS: usize = 20;
+        let [mut x, mut y] = [0, 1].map(|axis| (pixel[axis] - self.principal_point_px[axis]) / self.focal_px[axis]);
+        let n_steps = if self.distortion == [0.0; 5] { 0 } else { N_STEPS };
+        for _ in 0..n_steps {
+            let at = self.pixel_of([x, y, 1.0]).0;
+            x -= (at[0] - pixel[0]) / self.focal_px[0];
+            y -= (at[1] - pixel[1]) / self.focal_px[1];
+        }
+        [x, y, 1.0]
+    }
+}
+
 impl Eye {
     /// The camera of this name as the scene declares it, with the lens that was drawn; `None` if the robot does not have it.
     pub(super) fn of(camera: Camera, scene: &Scene, robot: &RobotModel, drawn: &Drawn) -> Option<Eye> {
@@ -94,7 +118,7 @@ impl Eye {
         match camera {
             Camera::Floor => cameras::floor(robot, &drawn, stamp_error_s),
             Camera::Ceiling => cameras::ceiling(robot, &drawn, stamp_error_s),
-            Camera::Forward => None,
+            Camera::Forward => cameras::forward(robot, &drawn, stamp_error_s),
         }
     }
 
@@ -226,13 +250,17 @@ pub(super) struct Slopes<'a> {
 impl Slopes<'_> {
     /// Terms of how the pixel of a point of the world moves along a direction of the image, without what moves the point.
     pub(super) fn terms(&self, near: &Linearised<'_>, point_m: Vector<f64>, direction: [f64; 2]) -> Vec<(usize, f64)> {
-        let mut terms = Vec::with_capacity(2 * N_INPUTS);
-        let along = |sight: &Sight<f64>| {
+        self.terms_of(near, &|sight: &Sight<f64>| {
             let [u, v] = sight.pixel(point_m).0;
             direction[0] * u + direction[1] * v
-        };
+        })
+    }
+
+    /// Terms of how a value that depends on the camera changes.
+    pub(super) fn terms_of(&self, near: &Linearised<'_>, of: &dyn Fn(&Sight<f64>) -> f64) -> Vec<(usize, f64)> {
+        let mut terms = Vec::with_capacity(2 * N_INPUTS);
         for (input, [more, less]) in self.moved.iter().enumerate() {
-            let slope = (along(more) - along(less)) / (2.0 * STEP);
+            let slope = (of(more) - of(less)) / (2.0 * STEP);
             match input {
                 0..3 => {
                     terms.extend(near.pose(self.stamp, input, slope));

@@ -78,6 +78,8 @@ pub(super) enum Quantity {
     MarkerHeight(u16),
     /// Displacement of a dot from its nominal place on its marker, along the marker's x (0) or y (1), in metres.
     Dot(u16, GridPlace, usize),
+    /// Angle by which all walls stand turned against the directions that the scene states, in radians.
+    WallsTurn,
     /// True instant at which a device looked, for the look that was truly at the stamp with this index, in seconds.
     Instant(Looker, usize),
     /// Height of the robot's origin above its height at rest, at the look at the stamp with this index, in metres.

@@ -24,6 +24,7 @@ use super::{
     motion::Motion,
     range::{Look, Range},
     rest::Rest,
+    walls::Walls,
     wheels::Wheels,
 };
 
@@ -38,19 +39,20 @@ pub(super) fn unsupported(scene: &Scene) -> Option<(&'static str, String, &'stat
         let value = gyro.bias_wander_deg_per_s2.to_string();
         return Some(("robot.gyro.bias_wander_deg_per_s2", value, "0, or `angle_floor_deg` beside it"));
     }
-    for camera in [Camera::Floor, Camera::Ceiling] {
+    for camera in [Camera::Floor, Camera::Ceiling, Camera::Forward] {
         let row_time_s = robot.camera(camera).map_or(0.0, |keys| keys.shared().lens.row_time_s);
         if row_time_s > 0.0 {
             return Some(("lens.row_time_s", row_time_s.to_string(), "0, a global shutter"));
         }
     }
     let other = scene.localizer.methods.iter().find(|method| !CHECKED.contains(method))?;
-    let expected = "range_landmarks, floor_tiles and ceiling_markers only";
+    let expected = "range_landmarks, floor_tiles, ceiling_markers and wall_directions only";
     Some(("localizer.methods", format!("{other:?}"), expected))
 }
 
 /// The methods whose claims or readings are checked.
-const CHECKED: [MethodName; 3] = [MethodName::RangeLandmarks, MethodName::FloorTiles, MethodName::CeilingMarkers];
+const CHECKED: [MethodName; 4] =
+    [MethodName::RangeLandmarks, MethodName::FloorTiles, MethodName::CeilingMarkers, MethodName::WallDirections];
 
 /// The readings of a run with the truth behind them.
 pub(super) struct Readings<'a> {
@@ -117,9 +119,13 @@ impl<'a> Readings<'a> {
         let dots = eye(Camera::Ceiling)
             .filter(|_| reads(MethodName::CeilingMarkers))
             .and_then(|eye| Dots::of(record, map, eye, history, time_s));
+        let walls = eye(Camera::Forward)
+            .filter(|_| reads(MethodName::WallDirections))
+            .and_then(|eye| Walls::of(scene, record, eye, history, time_s));
         let mut looks: Vec<usize> = range.iter().flat_map(|range| range.looks.iter().map(|look| look.stamp)).collect();
         looks.extend(joints.iter().flat_map(|joints| joints.looks.iter().map(|look| look.stamp)));
         looks.extend(dots.iter().flat_map(|dots| dots.looks.iter().map(|look| look.stamp)));
+        looks.extend(walls.iter().flat_map(|walls| walls.looks.iter().map(|look| look.stamp)));
         looks.sort_unstable();
         looks.dedup();
         let motion = Motion { start: self.start, robot: self.robot.clone(), room_m: self.map.room_m, looks };
@@ -129,6 +135,7 @@ impl<'a> Readings<'a> {
         kinds.extend(self.rest(history, time_s).map(|rest| Box::new(rest) as Box<dyn Kind>));
         kinds.extend(range.map(|range| Box::new(range) as Box<dyn Kind>));
         kinds.extend(joints.map(|joints| Box::new(joints) as Box<dyn Kind>));
+        kinds.extend(walls.map(|walls| Box::new(walls) as Box<dyn Kind>));
         kinds.extend(dots.map(|dots| Box::new(dots) as Box<dyn Kind>));
         kinds
     }
@@ -257,6 +264,7 @@ impl<'a> Readings<'a> {
             Quantity::Marker(..) | Quantity::MarkerTurn(_) | Quantity::MarkerHeight(_) | Quantity::Dot(..) => {
                 dots::true_value(quantity, self.map.markers.as_ref()?, &place.markers)
             }
+            Quantity::WallsTurn => Some(place.walls_turn_deg.to_radians()),
             // The history begins with the first of the truths and has a stamp for each.
             Quantity::Instant(_, stamp) => Some(self.truths.get(stamp)?.time_s),
             Quantity::Heave(stamp) => Some(self.truths.get(stamp)?.heave_m),

@@ -4,6 +4,7 @@ mod codes;
 mod drive;
 mod flow;
 mod images;
+mod walls;
 
 use std::f64::consts::TAU;
 

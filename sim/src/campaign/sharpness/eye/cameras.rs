@@ -77,3 +77,43 @@ pub(super) fn ceiling(robot: &RobotModel, drawn: &DrawnCamera, stamp_error_s: f6
         stamp: (stamp_error_s, bounds::CEILING_CAMERA_STAMP),
     })
 }
+
+/// The forward camera. Directions are all that its images are used for, so that the witness keeps its position.
+pub(super) fn forward(robot: &RobotModel, drawn: &DrawnCamera, stamp_error_s: f64) -> Option<Eye> {
+    let model = robot.forward_camera.as_ref()?;
+    let tilts_rad = Interval::new(-model.tilt_error_rad, model.tilt_error_rad);
+    let (sin, cos) = model.yaw_rad.mid().sin_cos();
+    let of = |part| Input::Quantity(part, 1.0);
+    let place = |axis: usize| Input::Known(drawn.body_from_camera.translation.vector[axis]);
+    Some(Eye {
+        camera: Camera::Forward,
+        // Image right is robot right, image down is robot down, once the nominal yaw is undone.
+        axes: [[sin, -cos, 0.0], [0.0, 0.0, -1.0], [cos, sin, 0.0]],
+        // The nominal tilt raises what is ahead, about the image's right.
+        lean_rad: [model.tilt_up_rad * sin, -model.tilt_up_rad * cos],
+        tilts_last: false,
+        distortion: drawn.distortion,
+        constants: [
+            place(0),
+            place(1),
+            place(2),
+            of(CameraPart::Yaw),
+            of(CameraPart::Tilt(0)),
+            of(CameraPart::Tilt(1)),
+            of(CameraPart::Focal(0)),
+            of(CameraPart::Focal(0)),
+            of(CameraPart::Centre(0)),
+            of(CameraPart::Centre(1)),
+        ],
+        declared: vec![
+            (CameraPart::Yaw, model.yaw_rad - model.yaw_rad.mid(), bounds::FORWARD_CAMERA_YAW),
+            (CameraPart::Tilt(0), tilts_rad, bounds::FORWARD_CAMERA_TILT),
+            (CameraPart::Tilt(1), tilts_rad, bounds::FORWARD_CAMERA_TILT),
+            (CameraPart::Focal(0), model.focal_px, bounds::FORWARD_CAMERA_FOCAL),
+            (CameraPart::Centre(0), model.principal_point_px[0], bounds::FORWARD_CAMERA_PRINCIPAL_POINT),
+            (CameraPart::Centre(1), model.principal_point_px[1], bounds::FORWARD_CAMERA_PRINCIPAL_POINT),
+        ],
+        tilt: (model.tilt_error_rad, bounds::FORWARD_CAMERA_TILT),
+        stamp: (stamp_error_s, bounds::FORWARD_CAMERA_STAMP),
+    })
+}

@@ -30,33 +30,33 @@ use crate::{
 };
 use interval::Interval;
 
-const STEP_S: f64 = 0.01;
+pub(super) const STEP_S: f64 = 0.01;
 const SPEED_M_PER_S: f64 = 0.2;
 /// Stamp of the look, at which the robot is at (1.1, 0.9) with heading 0.
-const LOOK: usize = 50;
-const PLACE_M: [f64; 2] = [1.1, 0.9];
-const BOUND_PX: f64 = 0.5;
+pub(super) const LOOK: usize = 50;
+pub(super) const PLACE_M: [f64; 2] = [1.1, 0.9];
+pub(super) const BOUND_PX: f64 = 0.5;
 
-struct Bench {
-    scene: Scene,
-    robot: RobotModel,
+pub(super) struct Bench {
+    pub(super) scene: Scene,
+    pub(super) robot: RobotModel,
     map: Map,
     drawn: Drawn,
 }
 
 impl Bench {
-    fn of(scene: &str) -> Bench {
+    pub(super) fn of(scene: &str) -> Bench {
         let path = format!("{}/../scenes/papers/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
         let scene = Scene::load(Path::new(&path)).unwrap();
         Bench { robot: scene.robot_model(), map: scene.map(), drawn: Drawn::draw(&scene, 1), scene }
     }
 
-    fn eye(&self, camera: Camera) -> Eye {
+    pub(super) fn eye(&self, camera: Camera) -> Eye {
         Eye::of(camera, &self.scene, &self.robot, &self.drawn).unwrap()
     }
 
     /// A second of a straight drive, with the middle of every interval that a kind declares.
-    fn history(&self, camera: Camera, kind: &dyn Kind) -> History {
+    pub(super) fn history(&self, camera: Camera, kind: &dyn Kind) -> History {
         let stamps_s: Vec<f64> = (0..=100).map(|step| f64::from(step) * STEP_S).collect();
         let poses = stamps_s.iter().map(|time_s| Pose {
             x_m: PLACE_M[0] + SPEED_M_PER_S * (time_s - LOOK as f64 * STEP_S),
@@ -79,7 +79,7 @@ impl Bench {
 }
 
 /// The bound of a kind that a changed history breaks.
-fn broken_by(kind: &dyn Kind, history: &History, change: impl Fn(&mut History)) -> Option<Assumption> {
+pub(super) fn broken_by(kind: &dyn Kind, history: &History, change: impl Fn(&mut History)) -> Option<Assumption> {
     let mut changed = history.clone();
     change(&mut changed);
     for Declared { quantity, interval, bound } in kind.declared(&changed) {
@@ -91,14 +91,14 @@ fn broken_by(kind: &dyn Kind, history: &History, change: impl Fn(&mut History)) 
 }
 
 /// Sets a quantity of a history.
-fn put(quantity: Quantity, value: f64) -> impl Fn(&mut History) {
+pub(super) fn put(quantity: Quantity, value: f64) -> impl Fn(&mut History) {
     move |history| {
         history.quantities.insert(quantity, value);
     }
 }
 
 /// Moves the whole history by a distance along x and along y, and turns it about the robot at the look.
-fn moved(x_m: f64, y_m: f64, turn_rad: f64) -> impl Fn(&mut History) {
+pub(super) fn moved(x_m: f64, y_m: f64, turn_rad: f64) -> impl Fn(&mut History) {
     move |history| {
         for pose in &mut history.poses {
             (pose.x_m, pose.y_m, pose.heading_rad) = (pose.x_m + x_m, pose.y_m + y_m, pose.heading_rad + turn_rad);
@@ -107,7 +107,7 @@ fn moved(x_m: f64, y_m: f64, turn_rad: f64) -> impl Fn(&mut History) {
 }
 
 /// Demands that each quantity breaks its bound a hair beyond it, and does not a hair within it.
-fn demand_all_bounds(kind: &dyn Kind, history: &History, quantities: &[(Quantity, Assumption)]) {
+pub(super) fn demand_all_bounds(kind: &dyn Kind, history: &History, quantities: &[(Quantity, Assumption)]) {
     let declared = kind.declared(history);
     for (quantity, bound) in quantities {
         let interval = declared.iter().find(|declared| declared.quantity == *quantity).unwrap().interval;
@@ -314,6 +314,7 @@ fn cameras_with_errors_show_points_where_the_simulator_has_them() {
     for (scene, camera, point_m) in [
         ("floor_vision_odometry", Camera::Floor, [0.9, 1.0, 0.0]),
         ("ir_markers_lab", Camera::Ceiling, [1.4, 1.1, 2.5]),
+        ("dark_carpet", Camera::Forward, [3.1, 1.4, 0.7]),
     ] {
         let mut bench = Bench::of(scene);
         bench.scene.robot.errors = Distribution::Corner;
