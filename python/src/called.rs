@@ -78,6 +78,10 @@ impl Subject for Called {
             object.call_method1("start", (sides,)).map(drop)
         });
     }
+    fn is_elsewhere(&self) -> bool {
+        true
+    }
+
 
     fn observe(&mut self, reading: &Reading) {
         let (number, measured_s, arrived_s) = (self.given.0 + 1, reading.measured_s(), reading.arrived_s());

@@ -136,7 +136,11 @@ def test_a_drive_leaves_the_files_of_a_run_and_its_report_can_be_written(tmp_pat
     folder = tmp_path / "gnss" / "5"
     assert {"summary.json", "timing.json", "truth.tum", "estimate.tum", "steps.csv"} <= {p.name for p in folder.iterdir()}
     assert len(wherein.report(tmp_path)) == 1
-    assert "still" in (tmp_path / "report.html").read_text()
+    report = (tmp_path / "report.html").read_text()
+    assert "still" in report
+    # No command can start a loop of a program in Python again: the report says what can.
+    assert "--subject still" not in report and "the localizer still lives in a program of its own" in report
+    assert "duration_s=2 and seed 5" in report or "duration_s=2.0 and seed 5" in report
     assert result.save(tmp_path / "again") == tmp_path / "again" / "gnss" / "5"
     assert (tmp_path / "again/gnss/5/summary.json").read_bytes() == (folder / "summary.json").read_bytes()
 

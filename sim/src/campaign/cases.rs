@@ -50,6 +50,8 @@ pub struct CaseResult {
     pub seed: u64,
     /// Name of the localizer under test.
     pub subject: String,
+    /// Whether that localizer lives in another program, so that the option `--subject` cannot start it again by its name.
+    pub subject_is_elsewhere: bool,
     /// Folder with the files of the case.
     pub folder: PathBuf,
     /// Whether the case ran, and with what result.
@@ -76,6 +78,8 @@ impl Results {
             id: case.id,
             settings: case.settings,
             seed: case.seed,
+            // A sweep's own file tells its localizer by name alone.
+            subject_is_elsewhere: !is_known(&plan.subject),
             subject: plan.subject.clone(),
         };
         let cases = meant.map(result).collect();
@@ -140,6 +144,8 @@ impl CaseResult {
             scene_path: timing["scene_path"].as_str().unwrap_or_default().into(),
             settings: settings.collect(),
             seed: summary["seed"].as_u64().unwrap_or_default(),
+            subject_is_elsewhere: timing["subject_is_elsewhere"].as_bool().unwrap_or(false)
+                || !is_known(&subject_of(&summary)),
             subject: subject_of(&summary),
             folder,
             recorded: Recorded::Done { summary, timing },
@@ -203,4 +209,9 @@ impl CaseResult {
         let parts = [scene, subject, self.label(), format!("seed {}", self.seed)];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
     }
+}
+
+/// Whether the option `--subject` takes this name of a localizer, or this command.
+fn is_known(subject: &str) -> bool {
+    subject.parse::<SubjectChoice>().is_ok()
 }

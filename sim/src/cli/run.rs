@@ -204,6 +204,7 @@ fn results(recorded: &[Recorded]) -> Results {
         settings: one.file.settings.clone(),
         seed: one.outcome.seed,
         subject: one.outcome.subject.clone(),
+        subject_is_elsewhere: false,
         folder: one.folder.clone(),
         recorded: sweep::Recorded::Done { summary: one.summary.clone(), timing: one.timing.clone() },
     };

@@ -28,6 +28,8 @@ pub struct RunRecord {
     pub seed: u64,
     /// Name of the localizer under test, for the results alone.
     pub subject: String,
+    /// Whether that localizer lives in another program, so that the option `--subject` cannot start it again by its name.
+    pub subject_is_elsewhere: bool,
     /// Graphics adapter that rendered the images, if any image was rendered.
     pub adapter: Option<String>,
     /// True values that were drawn at random before the start of the run.
@@ -194,6 +196,7 @@ impl RunRecord {
         RunRecord {
             seed,
             subject: String::new(),
+            subject_is_elsewhere: false,
             adapter,
             drawn,
             truths: Vec::new(),

@@ -136,6 +136,7 @@ impl Simulation<'_> {
         let adapter = renderer.as_deref().map(Renderer::adapter);
         let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
         record.history.subject = subject.name().to_owned();
+        record.history.subject_is_elsewhere = subject.is_elsewhere();
         record.asks_baselines = self.commands.is_none();
         let built = scene.as_built(&drawn.place);
         let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;

@@ -44,6 +44,11 @@ pub trait Subject {
     }
 
     /// Starts a drive at time 0 with the robot somewhere in `start`: x and y in metres and heading in radians, in the world frame. It is
+    /// Whether the localizer lives in another program, which has begun the run, so that the option `--subject` cannot start it again by its name.
+    fn is_elsewhere(&self) -> bool {
+        false
+    }
+
     /// called before the first reading, and again whenever the robot is placed at another station.
     fn start(&mut self, start: &PoseBox);
 

@@ -86,6 +86,10 @@ impl Subject for Stepped {
 
     fn observe(&mut self, reading: &Reading) {
         let (number, measured_s, arrived_s) = (self.given.0 + 1, reading.measured_s(), reading.arrived_s());
+    fn is_elsewhere(&self) -> bool {
+        true
+    }
+
         let device = device(reading).to_owned();
         self.given = (number, Some(GivenReading { number, device, measured_s, arrived_s }));
         let next = self.next.get_mut();

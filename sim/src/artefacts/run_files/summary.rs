@@ -156,6 +156,7 @@ pub struct Timing {
     solve_us: BTreeMap<&'static str, f64>,
     scene_path: PathBuf,
     settings: Vec<Setting>,
+    subject_is_elsewhere: bool,
 }
 
 impl Timing {
@@ -173,11 +174,13 @@ impl Timing {
             solve_us,
             scene_path: file.path.clone(),
             settings: file.settings.clone(),
+            subject_is_elsewhere: record.subject_is_elsewhere,
         }
     }
 
     /// Content of the file `timing.json`. Its `program` is the digest of the executable, by which `--resume` recognises results of its own build; its
-    /// `scene_path` and `set` (changed keys of the scene) are what a command that repeats the run has to name.
+    /// `scene_path` and `set` (changed keys of the scene) are what a command that repeats the run has to name. No command repeats the run where
+    /// `subject_is_elsewhere`: the localizer under test lives in another program, which had begun the run.
     pub fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
@@ -203,6 +206,7 @@ impl Timing {
             "machine": machine(),
             "scene_path": self.scene_path,
             "set": self.settings.iter().map(Setting::to_string).collect::<Vec<_>>(),
+            "subject_is_elsewhere": self.subject_is_elsewhere,
         })
     }
 }

@@ -6,13 +6,17 @@ use crate::{artefacts::run_files::is_library, subject::SubjectChoice};
 
 use super::CaseResult;
 
-/// A shell command that runs one case again and writes its debug frames, the pictures that show what the vision found in camera images.
+/// A shell command that runs one case again and writes its debug frames, the pictures that show what the vision found in camera images. Where no
+/// command can start the localizer under test, it is a comment of the shell instead, which says what runs the case again.
 #[derive(Clone, Debug)]
 pub struct Replay(String);
 
 impl Replay {
     /// Returns the command that runs `case` again and writes its results into `out`.
     pub fn of(case: &CaseResult, out: &str) -> Replay {
+        if case.subject_is_elsewhere {
+            return Replay(elsewhere(case));
+        }
         let mut words = program();
         words.extend(["run".to_owned(), case.scene_path.display().to_string()]);
         for setting in &case.settings {
@@ -28,6 +32,17 @@ impl Replay {
         words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
         Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
     }
+}
+
+/// What runs a case again whose localizer lives in a program of its user, and not in a command.
+fn elsewhere(case: &CaseResult) -> String {
+    let CaseResult { subject, seed, .. } = case;
+    let scene = case.scene_path.display();
+    let settings: Vec<String> = case.settings.iter().map(|setting| format!(" with {setting}")).collect();
+    let settings = settings.join(" and");
+    format!(
+        "# the localizer {subject} lives in a program of its own: have that drive {scene}{settings} and seed {seed}"
+    )
 }
 
 impl fmt::Display for Replay {
@@ -64,5 +79,36 @@ pub fn quoted(text: &str) -> String {
         text.to_owned()
     } else {
         format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use crate::campaign::sweep::Recorded;
+
+    use super::*;
+
+    #[test]
+    fn a_localizer_in_a_program_of_its_own_is_told_instead_of_a_command() {
+        let mut case = CaseResult {
+            id: String::new(),
+            scene: "x".to_owned(),
+            scene_path: PathBuf::from("x.toml"),
+            settings: ["duration_s=20"].iter().filter_map(|text| text.parse().ok()).collect(),
+            seed: 3,
+            subject: "my filter".to_owned(),
+            subject_is_elsewhere: false,
+            folder: PathBuf::new(),
+            recorded: Recorded::Missing,
+        };
+        assert!(Replay::of(&case, "renders").to_string().contains(" --subject 'my filter' --seed 3 "));
+        case.subject_is_elsewhere = true;
+        let told = Replay::of(&case, "renders").to_string();
+        assert!(told.starts_with('#') && !told.contains("--subject"), "{told}");
+        for part in ["my filter", "x.toml", "duration_s=20", "seed 3"] {
+            assert!(told.contains(part), "{told}");
+        }
     }
 }
