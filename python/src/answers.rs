@@ -1,7 +1,7 @@
 //! Answers as Python gives them: arrays, lists or tuples of numbers.
 
 use ::localizer::PoseUnion;
-use pyo3::{exceptions::PyTypeError, prelude::*};
+use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 use sim::subject::{Answer, ForeignAnswer};
 
 use crate::errors::AnswerError;
@@ -66,8 +66,33 @@ pub(crate) fn checked(answer: ForeignAnswer, time_s: f64) -> PyResult<Answer> {
         .map_err(|reason| AnswerError::new_err(format!("the step at {time_s:.2} s was answered with {reason}")))
 }
 
+/// Greatest time by which the stamp of a reading may be ahead of the step at which it is known. No clock of a scene is as far ahead, while a stamp in
+/// another count of time is.
+const MOST_AHEAD_S: f64 = 1.0;
+
+/// The stamp of the newest reading that an answer takes into account, if it is told.
+pub(crate) fn newest(newest_s: Option<f64>, time_s: f64) -> PyResult<Option<f64>> {
+    match newest_s {
+        Some(stamp_s) if !(stamp_s.is_finite() && stamp_s <= time_s + MOST_AHEAD_S) => {
+            let expected = "expected the stamp of a reading in seconds, not after the step";
+            let given = format!("the step at {time_s:.2} s was answered with the newest_s {stamp_s}");
+            Err(AnswerError::new_err(format!("{given}, {expected}")))
+        }
+        newest_s => Ok(newest_s),
+    }
+}
+
 /// The answer that a method `answer` of a localizer returns: a pair of mean and covariance, a mean alone, or a dict with the keys of an answer by JSON.
-pub(crate) fn returned(given: &Bound<'_, PyAny>) -> PyResult<ForeignAnswer> {
+/// A dict may also tell `newest_s`, the stamp of the newest reading that the answer takes into account.
+pub(crate) fn returned(given: &Bound<'_, PyAny>) -> PyResult<(ForeignAnswer, Option<f64>)> {
+    let newest_s = match given.cast::<PyDict>() {
+        Ok(dict) => dict.get_item("newest_s")?.map(|stamp_s| stamp_s.extract()).transpose()?,
+        Err(_) => None,
+    };
+    Ok((answer_in(given)?, newest_s))
+}
+
+fn answer_in(given: &Bound<'_, PyAny>) -> PyResult<ForeignAnswer> {
     if let Ok(boxes) = given.getattr("boxes") {
         return self::boxes(&boxes, false, None);
     }
@@ -79,6 +104,9 @@ pub(crate) fn returned(given: &Bound<'_, PyAny>) -> PyResult<ForeignAnswer> {
     }
     if let Ok(item) = given.get_item("samples") {
         return Ok(ForeignAnswer::Samples(numbers("samples", "(n, 4)", &item)?));
+    }
+    if let Ok(pose) = given.get_item("pose") {
+        return gaussian(&pose, None);
     }
     if let Ok(mean) = given.get_item("mean") {
         return gaussian(&mean, Some(&given.get_item("covariance")?));

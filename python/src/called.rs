@@ -1,7 +1,7 @@
 //! A localizer that is an object in Python, whose methods a run calls: `start`, `observe` and `answer`.
 
 use std::{
-    cell::{OnceCell, RefCell},
+    cell::{Cell, OnceCell, RefCell},
     sync::Arc,
 };
 
@@ -26,6 +26,8 @@ pub(crate) struct Called {
     latest: RefCell<Option<(f64, Answer)>>,
     heading_rad: RefCell<f64>,
 }
+    newest_s: Cell<Option<f64>>,
+    stop: Stop,
 
 impl Called {
     /// Makes the localizer by calling `make` with what it is told.
@@ -39,6 +41,8 @@ impl Called {
             latest: RefCell::new(None),
             heading_rad: RefCell::new(0.0),
         };
+            newest_s: Cell::new(None),
+            stop: stop.clone(),
         let made = Python::attach(|py| make.bind(py).call1((cues::told_with_cues(py, scene)?,)).map(Bound::unbind));
         match made {
             Ok(object) => called.object = Some(object),
@@ -102,12 +106,13 @@ impl Subject for Called {
         }
         let mut found = Answer::Point(Pose::default());
         self.call(time_s, |object| {
-            let given = answers::returned(&object.call_method1("answer", (time_s,))?)?;
+            let (given, newest_s) = answers::returned(&object.call_method1("answer", (time_s,))?)?;
             found = turned_to(answers::checked(given, time_s)?, *self.heading_rad.borrow());
             Ok(())
         });
         let middle_rad = match &found {
             Answer::Boxes(estimate) => estimate.pose.hull()[2].mid(),
+            self.newest_s.set(answers::newest(newest_s, time_s)?);
             Answer::Point(pose) => pose.heading_rad,
             Answer::Gaussian(gaussian) => gaussian.mean.heading_rad,
             _ => *self.heading_rad.borrow(),
@@ -121,6 +126,10 @@ impl Subject for Called {
 
     fn failure(&self) -> Option<&Failure> {
         self.failure.get()
+    }
+
+    fn knows_until_s(&self) -> Option<f64> {
+        self.newest_s.get()
     }
 
     fn end(&mut self) -> Option<String> {

@@ -49,6 +49,9 @@ pub(crate) struct Drive {
     seed: u64,
     out: Option<PathBuf>,
     state: Mutex<State>,
+/// An answer, and the stamp of the newest reading that it takes into account, if the loop tells it.
+type Told = (ForeignAnswer, Option<f64>);
+
 }
 
 /// Where a drive stands.
@@ -69,7 +72,7 @@ struct Driving {
     steps: Steps,
     thread: JoinHandle<Done>,
     /// Time of the step that is being answered, with the answer.
-    open: Option<(f64, Option<ForeignAnswer>)>,
+    open: Option<(f64, Option<Told>)>,
 }
 
 #[pymethods]
@@ -261,9 +264,9 @@ impl Drive {
         let State::Driving(driving) = &mut *state else { return Ok(()) };
         let Some((time_s, answer)) = driving.open.take() else { return Ok(()) };
         let expected = "expected step.answer(mean, covariance), or one of its like, before the next step";
-        let answer = answer
+        let (answer, newest_s) = answer
             .ok_or_else(|| AnswerError::new_err(format!("the step at {time_s:.2} s was not answered: {expected}")))?;
-        driving.steps.answer(answers::checked(answer, time_s)?);
+        driving.steps.answer(answers::checked(answer, time_s)?, newest_s);
         Ok(())
     }
 
@@ -284,7 +287,7 @@ impl Drive {
     }
 
     /// Keeps the answer to a step until the next step is asked for.
-    fn answer(&self, time_s: f64, answer: ForeignAnswer) -> PyResult<()> {
+    fn answer(&self, time_s: f64, answer: Told) -> PyResult<()> {
         let mut state = self.locked();
         match &mut *state {
             State::Driving(Driving { open: Some((open_s, kept)), .. }) if *open_s == time_s => {
@@ -379,25 +382,34 @@ impl PyStep {
     ///
     /// mean: x (m), y (m) and heading (rad), an array of shape (3,). Headings may be wrapped to one turn.
     /// covariance: an array of shape (3, 3), in m², m·rad and rad².
-    #[pyo3(signature = (mean, covariance=None))]
-    fn answer(&self, py: Python<'_>, mean: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    /// newest_s: stamp of the newest reading that the answer takes into account, from which results count the age of the answer.
+    #[pyo3(signature = (mean, covariance=None, *, newest_s=None))]
+    fn answer(
+        &self,
+        py: Python<'_>,
+        mean: &Bound<'_, PyAny>,
+        covariance: Option<&Bound<'_, PyAny>>,
+        newest_s: Option<f64>,
+    ) -> PyResult<()> {
         let answer = answers::gaussian(mean, covariance)?;
-        self.take(py, answer)
+        self.take(py, answer, newest_s)
     }
 
     /// Answers the step by a weighted sample of poses, as a particle filter has it.
     ///
     /// poses: an array of shape (n, 3), each x (m), y (m) and heading (rad).
     /// weights: an array of shape (n,), at least 0 each; without it all weigh the same.
-    #[pyo3(signature = (poses, weights=None))]
+    /// newest_s: as for `answer`.
+    #[pyo3(signature = (poses, weights=None, *, newest_s=None))]
     fn answer_samples(
         &self,
         py: Python<'_>,
+        newest_s: Option<f64>,
         poses: &Bound<'_, PyAny>,
         weights: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let answer = answers::samples(poses, weights)?;
-        self.take(py, answer)
+        self.take(py, answer, newest_s)
     }
 
     /// Answers the step by a union of boxes of which one surely holds the pose.
@@ -405,16 +417,18 @@ impl PyStep {
     /// boxes: an array of shape (n, 3, 2) or (3, 2), the least and greatest x (m), y (m) and heading (rad); or a PoseUnion.
     /// recovering: whether an assumption is doubted.
     /// relies_on: names of the declared bounds that the boxes rely on; without it they rely on all.
-    #[pyo3(signature = (boxes, *, recovering=false, relies_on=None))]
+    /// newest_s: as for `answer`.
+    #[pyo3(signature = (boxes, *, recovering=false, relies_on=None, newest_s=None))]
     fn answer_boxes(
         &self,
         py: Python<'_>,
         boxes: &Bound<'_, PyAny>,
+        newest_s: Option<f64>,
         recovering: bool,
         relies_on: Option<Vec<String>>,
     ) -> PyResult<()> {
         let answer = answers::boxes(boxes, recovering, relies_on)?;
-        self.take(py, answer)
+        self.take(py, answer, newest_s)
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
@@ -423,9 +437,10 @@ impl PyStep {
 }
 
 impl PyStep {
-    fn take(&self, py: Python<'_>, answer: ForeignAnswer) -> PyResult<()> {
+    fn take(&self, py: Python<'_>, answer: ForeignAnswer, newest_s: Option<f64>) -> PyResult<()> {
         // An answer is checked when it is given, so that the mistake is shown where it is made.
         answers::checked(answer.clone(), self.time_s)?;
-        self.drive.bind(py).get().answer(self.time_s, answer)
+        let newest_s = answers::newest(newest_s, self.time_s)?;
+        self.drive.bind(py).get().answer(self.time_s, (answer, newest_s))
     }
 }

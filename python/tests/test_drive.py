@@ -93,6 +93,19 @@ def test_a_step_that_is_not_answered_ends_the_drive():
         drive.result
 
 
+def test_the_age_of_answers_is_counted_from_the_newest_reading_that_they_use():
+    drive = wherein.Drive(PLAIN, set=SHORT)
+    for step in drive:
+        step.answer(drive.start.mean(axis=1), COVARIANCE, newest_s=step.time_s - 0.03)
+        with pytest.raises(wherein.AnswerError, match="newest_s NaN, expected the stamp"):
+            step.answer([0, 0, 0], newest_s=np.nan)
+        with pytest.raises(wherein.AnswerError, match="newest_s 1700000000"):
+            step.answer_samples([[0, 0, 0]], newest_s=1.7e9)
+    latency_s = drive.result.summary["latency_s"]
+    assert latency_s["mean"] == pytest.approx(0.03) and latency_s["max"] == pytest.approx(0.03)
+    assert answered(wherein.Drive(PLAIN, set=SHORT)).summary["latency_s"] is None
+
+
 def test_an_answer_to_a_past_step_is_refused():
     with wherein.Drive(PLAIN, set=SHORT) as drive:
         first = next(drive)

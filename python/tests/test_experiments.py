@@ -28,6 +28,11 @@ class Still:
         return self.mean
 
 
+class Telling(Still):
+    def answer(self, time_s):
+        return {"mean": self.mean, "covariance": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "newest_s": time_s - 0.02}
+
+
 class Broken(Still):
     def answer(self, time_s):
         if time_s > 0.5:
@@ -45,6 +50,11 @@ def test_runs_give_a_row_for_each_seed(tmp_path):
 def test_a_class_can_be_the_localizer_under_test(tmp_path):
     frame = wherein.run(PLAIN, subject=Still, set={"duration_s": 2.0}, out=tmp_path)
     assert list(frame["subject"]) == ["Still"] and list(frame["scene"]) == ["gnss"]
+
+
+def test_a_class_may_tell_the_newest_reading_that_its_answers_use(tmp_path):
+    frame = wherein.run(PLAIN, subject=Telling, set={"duration_s": 2.0}, out=tmp_path)
+    assert frame["latency_s.mean"][0] == pytest.approx(0.02)
 
 
 def test_an_exception_of_a_class_is_its_failure_with_the_traceback_beside_the_results(tmp_path):

@@ -43,7 +43,8 @@ def run(
     seeds: a seed, a range of seeds, or a text such as "0..10".
     subject: the localizer under test: a name such as "ekf", a command, or a class. A class is called with what the localizer is told (a dict of `map`,
         `robot` and `cues`) and has the methods start(box), observe(reading) and answer(time_s), which returns a pair of mean and covariance, a pose,
-        or a dict with `samples` or `boxes`. Without it, the interval localizer runs.
+        or a dict with `samples`, `boxes`, `pose`, or `mean` and `covariance`; a dict may also have `newest_s`, the stamp of the newest reading that
+        the answer takes into account. Without a subject, the interval localizer runs.
     set: keys of the scenes to set, such as {"duration_s": 30}.
     out: folder for the results; each run leaves OUT/<scene>/<seed>/ as the command does.
     frames: images for which debug frames are written: "none", "failures", "every=N" or "all".

@@ -2,7 +2,7 @@
 //! asks for one step after the other.
 
 use std::{
-    cell::{OnceCell, RefCell},
+    cell::{Cell, OnceCell, RefCell},
     sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
     time::Duration,
 };
@@ -26,12 +26,17 @@ pub struct Step {
 pub struct Stepped {
     name: String,
     asks: SyncSender<Step>,
-    answers: Receiver<Answer>,
+    answers: Receiver<Answered>,
     next: RefCell<Next>,
     /// Number of readings given, and the newest of them.
     given: (usize, Option<GivenReading>),
     failure: OnceCell<Failure>,
+    /// Stamp of the newest reading that the latest answer takes into account, if the loop tells it.
+    newest_s: Cell<Option<f64>>,
 }
+
+/// An answer, and the stamp of the newest reading that it takes into account, if the loop tells it.
+type Answered = (Answer, Option<f64>);
 
 /// What the next question will hold, and the answer to the one before.
 struct Next {
@@ -46,7 +51,7 @@ struct Next {
 /// The side of the loop: takes one step after the other and answers each.
 pub struct Steps {
     asked: Receiver<Step>,
-    answers: SyncSender<Answer>,
+    answers: SyncSender<Answered>,
 }
 
 /// Makes the two sides of a subject that is asked in one thread and answered in another; `name` is what results call it.
@@ -55,7 +60,8 @@ pub fn stepped(name: String) -> (Stepped, Steps) {
     let (answers, answered) = sync_channel(1);
     let next = Next { start: None, readings: Vec::new(), latest: None, heading_rad: 0.0 };
     let (next, given, failure) = (RefCell::new(next), (0, None), OnceCell::new());
-    (Stepped { name, asks, answers: answered, next, given, failure }, Steps { asked, answers })
+    let newest_s = Cell::new(None);
+    (Stepped { name, asks, answers: answered, next, given, failure, newest_s }, Steps { asked, answers })
 }
 
 impl Steps {
@@ -68,15 +74,20 @@ impl Steps {
         }
     }
 
-    /// Answers the latest step; each step has exactly one answer. An answer after the end of the run is dropped.
-    pub fn answer(&self, answer: Answer) {
-        let _ = self.answers.send(answer);
+    /// Answers the latest step; each step has exactly one answer. `newest_s` is the stamp of the newest reading that the answer takes into account, if
+    /// the loop tells it. An answer after the end of the run is dropped.
+    pub fn answer(&self, answer: Answer, newest_s: Option<f64>) {
+        let _ = self.answers.send((answer, newest_s));
     }
 }
 
 impl Subject for Stepped {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn is_elsewhere(&self) -> bool {
+        true
     }
 
     fn start(&mut self, start: &PoseBox) {
@@ -86,10 +97,6 @@ impl Subject for Stepped {
 
     fn observe(&mut self, reading: &Reading) {
         let (number, measured_s, arrived_s) = (self.given.0 + 1, reading.measured_s(), reading.arrived_s());
-    fn is_elsewhere(&self) -> bool {
-        true
-    }
-
         let device = device(reading).to_owned();
         self.given = (number, Some(GivenReading { number, device, measured_s, arrived_s }));
         let next = self.next.get_mut();
@@ -106,11 +113,12 @@ impl Subject for Stepped {
         }
         let step = Step { time_s, start: next.start.take(), readings: std::mem::take(&mut next.readings) };
         let answer = self.asks.send(step).ok().and_then(|()| self.answers.recv().ok());
-        let Some(answer) = answer else {
+        let Some((answer, newest_s)) = answer else {
             let reason = "the loop that answers was left".to_owned();
             self.failure.get_or_init(|| Failure { time_s, reading: self.given.1.clone(), reason });
             return Answer::Point(Pose::default());
         };
+        self.newest_s.set(newest_s);
         let answer = turned_to(answer, next.heading_rad);
         let middle_rad = answer.clone().into_estimate(time_s).pose.hull()[2].mid();
         if middle_rad.is_finite() {
@@ -118,6 +126,10 @@ impl Subject for Stepped {
         }
         next.latest = Some((time_s, answer.clone()));
         answer
+    }
+
+    fn knows_until_s(&self) -> Option<f64> {
+        self.newest_s.get()
     }
 
     fn failure(&self) -> Option<&Failure> {
@@ -151,7 +163,8 @@ mod tests {
             let mut seen = Vec::new();
             while let Ok(Some(step)) = steps.next_within(SOON) {
                 seen.push((step.time_s, step.start.is_some(), step.readings.len()));
-                steps.answer(point(0.5 + TAU));
+                // Every step but the first tells what it knows.
+                steps.answer(point(0.5 + TAU), (step.time_s > 0.01).then_some(step.time_s - 0.004));
             }
             seen
         });
@@ -165,7 +178,9 @@ mod tests {
         assert_eq!(subject.estimate_at(0.01), first);
         subject.observe(&wheels(0.01));
         subject.estimate_at(0.01);
+        assert_eq!(subject.knows_until_s(), None);
         subject.estimate_at(0.02);
+        assert_eq!(subject.knows_until_s(), Some(0.016));
         assert!(subject.failure().is_none());
         drop(subject);
         assert_eq!(answering.join().unwrap(), [(0.01, true, 2), (0.01, false, 1), (0.02, false, 0)]);
