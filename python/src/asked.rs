@@ -9,7 +9,7 @@ use sim::{
     subject::{Added, SubjectChoice},
 };
 
-use crate::{called::Called, errors};
+use crate::{called::Called, errors, stop::Stop};
 
 /// The scene of a file, with some keys set: a dict of values by key, or texts `key=value` as the command has them.
 pub(crate) fn scene_file(path: &Path, set: Option<&Bound<'_, PyAny>>) -> PyResult<SceneFile> {
@@ -53,8 +53,9 @@ pub(crate) fn frames_policy(frames: &str) -> PyResult<FramesPolicy> {
     frames.parse().map_err(|reason| PyValueError::new_err(format!("frames: {reason}")))
 }
 
-/// The localizer under test: a name or a command as after `--subject`, or a class or function that makes a localizer in Python.
-pub(crate) fn subject_choice(subject: Option<&Bound<'_, PyAny>>) -> PyResult<SubjectChoice> {
+/// The localizer under test: a name or a command as after `--subject`, or a class or function that makes a localizer in Python. An exception of that
+/// localizer which is no error of it, such as KeyboardInterrupt, sets `stop`.
+pub(crate) fn subject_choice(subject: Option<&Bound<'_, PyAny>>, stop: &Stop) -> PyResult<SubjectChoice> {
     let Some(subject) = subject else { return Ok(SubjectChoice::default()) };
     if let Ok(name) = subject.extract::<String>() {
         return name.parse().map_err(|reason| PyValueError::new_err(format!("subject: {name}: {reason}")));
@@ -65,6 +66,6 @@ pub(crate) fn subject_choice(subject: Option<&Bound<'_, PyAny>>) -> PyResult<Sub
     }
     let name = subject.getattr("__name__").and_then(|name| name.extract()).unwrap_or_else(|_| "python".to_owned());
     let make = Arc::new(subject.clone().unbind());
-    let called = name.clone();
-    Ok(SubjectChoice::Added(Added::of_user(name, move |scene| Box::new(Called::new(&make, &called, scene)))))
+    let (called, stop) = (name.clone(), stop.clone());
+    Ok(SubjectChoice::Added(Added::of_user(name, move |scene| Box::new(Called::new(&make, &called, scene, &stop)))))
 }

@@ -7,15 +7,16 @@ use std::{
 
 use ::localizer::{Pose, PoseBox, Reading};
 use numpy::{PyArray2, ndarray::Array2};
-use pyo3::prelude::*;
+use pyo3::{exceptions::PyException, prelude::*};
 use sim::{
     scene::Scene,
     subject::{Answer, Failure, GivenReading, Subject, device, turned_to},
 };
 
-use crate::{answers, cues, reading};
+use crate::{answers, cues, reading, stop::Stop};
 
-/// A localizer in Python as the subject of a run. An exception in one of its methods is its failure, which ends the run.
+/// A localizer in Python as the subject of a run. An exception in one of its methods is its failure, which ends the run. An exception that is no error
+/// of a program, such as KeyboardInterrupt, ends all runs instead.
 pub(crate) struct Called {
     name: String,
     object: Option<Py<PyAny>>,
@@ -25,13 +26,13 @@ pub(crate) struct Called {
     log: OnceCell<String>,
     latest: RefCell<Option<(f64, Answer)>>,
     heading_rad: RefCell<f64>,
-}
     newest_s: Cell<Option<f64>>,
     stop: Stop,
+}
 
 impl Called {
     /// Makes the localizer by calling `make` with what it is told.
-    pub(crate) fn new(make: &Arc<Py<PyAny>>, name: &str, scene: &Scene) -> Called {
+    pub(crate) fn new(make: &Arc<Py<PyAny>>, name: &str, scene: &Scene, stop: &Stop) -> Called {
         let mut called = Called {
             name: name.to_owned(),
             object: None,
@@ -40,9 +41,9 @@ impl Called {
             log: OnceCell::new(),
             latest: RefCell::new(None),
             heading_rad: RefCell::new(0.0),
-        };
             newest_s: Cell::new(None),
             stop: stop.clone(),
+        };
         let made = Python::attach(|py| make.bind(py).call1((cues::told_with_cues(py, scene)?,)).map(Bound::unbind));
         match made {
             Ok(object) => called.object = Some(object),
@@ -53,6 +54,9 @@ impl Called {
 
     fn fail(&self, time_s: f64, error: &PyErr) {
         let (reason, log) = Python::attach(|py| {
+            if !error.is_instance_of::<PyException>(py) {
+                self.stop.stop_because(error.clone_ref(py));
+            }
             let trace = error.traceback(py).and_then(|trace| trace.format().ok()).unwrap_or_default();
             (error.to_string(), format!("{trace}{error}\n"))
         });
@@ -74,6 +78,10 @@ impl Subject for Called {
         &self.name
     }
 
+    fn is_elsewhere(&self) -> bool {
+        true
+    }
+
     fn start(&mut self, start: &PoseBox) {
         (*self.latest.get_mut(), *self.heading_rad.get_mut()) = (None, start[2].mid());
         self.call(0.0, |object| {
@@ -82,10 +90,6 @@ impl Subject for Called {
             object.call_method1("start", (sides,)).map(drop)
         });
     }
-    fn is_elsewhere(&self) -> bool {
-        true
-    }
-
 
     fn observe(&mut self, reading: &Reading) {
         let (number, measured_s, arrived_s) = (self.given.0 + 1, reading.measured_s(), reading.arrived_s());
@@ -108,11 +112,11 @@ impl Subject for Called {
         self.call(time_s, |object| {
             let (given, newest_s) = answers::returned(&object.call_method1("answer", (time_s,))?)?;
             found = turned_to(answers::checked(given, time_s)?, *self.heading_rad.borrow());
+            self.newest_s.set(answers::newest(newest_s, time_s)?);
             Ok(())
         });
         let middle_rad = match &found {
             Answer::Boxes(estimate) => estimate.pose.hull()[2].mid(),
-            self.newest_s.set(answers::newest(newest_s, time_s)?);
             Answer::Point(pose) => pose.heading_rad,
             Answer::Gaussian(gaussian) => gaussian.mean.heading_rad,
             _ => *self.heading_rad.borrow(),
@@ -124,12 +128,12 @@ impl Subject for Called {
         found
     }
 
-    fn failure(&self) -> Option<&Failure> {
-        self.failure.get()
-    }
-
     fn knows_until_s(&self) -> Option<f64> {
         self.newest_s.get()
+    }
+
+    fn failure(&self) -> Option<&Failure> {
+        self.failure.get()
     }
 
     fn end(&mut self) -> Option<String> {

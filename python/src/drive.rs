@@ -25,10 +25,8 @@ use crate::{
     errors::{self, AnswerError},
     reading,
     result::DriveResult,
+    stop::LOOK_PERIOD,
 };
-
-/// Time between two looks at whether the user has interrupted the program while a step is awaited.
-const LOOK_PERIOD: Duration = Duration::from_millis(100);
 
 type Done = Result<(RunRecord, Verdict), RenderError>;
 
@@ -49,10 +47,10 @@ pub(crate) struct Drive {
     seed: u64,
     out: Option<PathBuf>,
     state: Mutex<State>,
+}
+
 /// An answer, and the stamp of the newest reading that it takes into account, if the loop tells it.
 type Told = (ForeignAnswer, Option<f64>);
-
-}
 
 /// Where a drive stands.
 enum State {
@@ -404,9 +402,9 @@ impl PyStep {
     fn answer_samples(
         &self,
         py: Python<'_>,
-        newest_s: Option<f64>,
         poses: &Bound<'_, PyAny>,
         weights: Option<&Bound<'_, PyAny>>,
+        newest_s: Option<f64>,
     ) -> PyResult<()> {
         let answer = answers::samples(poses, weights)?;
         self.take(py, answer, newest_s)
@@ -423,9 +421,9 @@ impl PyStep {
         &self,
         py: Python<'_>,
         boxes: &Bound<'_, PyAny>,
-        newest_s: Option<f64>,
         recovering: bool,
         relies_on: Option<Vec<String>>,
+        newest_s: Option<f64>,
     ) -> PyResult<()> {
         let answer = answers::boxes(boxes, recovering, relies_on)?;
         self.take(py, answer, newest_s)

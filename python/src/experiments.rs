@@ -1,16 +1,6 @@
 //! Runs, sweeps and comparisons: what the commands do, with tables as results.
 
-use std::{
-    ops::Range,
-    path::PathBuf,
-    sync::{
-        Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering},
-        mpsc::{RecvTimeoutError, channel},
-    },
-    thread,
-    time::Duration,
-};
+use std::{ops::Range, path::PathBuf};
 
 use pyo3::{IntoPyObjectExt, exceptions::PyValueError, prelude::*, types::PyDict};
 use sim::{
@@ -20,7 +10,7 @@ use sim::{
         comparison::{Demand, Finding, Side, as_text, compare as compare_sides},
         judged_run::run_judged,
         report,
-        sweep::{Begun, Seeds, Shard, Sweep, SweepError, Variable, Work, run_cases},
+        sweep::{Begun, Seeds, Shard, Sweep, Variable, Work, run_cases},
     },
     loading::SceneFile,
     render::Renderer,
@@ -30,10 +20,8 @@ use sim::{
 use crate::{
     asked::{frames_policy, scene_file, subject_choice, toml_of},
     errors::{self, WhereinError},
+    stop::{Stop, interruptible},
 };
-
-/// Time between two looks at whether the user has interrupted the program.
-const LOOK_PERIOD: Duration = Duration::from_millis(100);
 
 /// Runs scenes with seeds one after another and records each; returns the columns of the table of results.
 #[pyfunction]
@@ -49,24 +37,26 @@ pub(crate) fn run_scenes(
     frames: &str,
     adapter: Option<String>,
 ) -> PyResult<Py<PyDict>> {
-    let (seeds, choice, keep_images) = (range(seeds)?, subject_choice(subject)?, frames_policy(frames)?);
+    let stop = Stop::default();
+    let (seeds, choice, keep_images) = (range(seeds)?, subject_choice(subject, &stop)?, frames_policy(frames)?);
     let files = SceneFile::load_all(&paths).map_err(|error| errors::of_scene(&error))?;
     let files = files.iter().map(|file| scene_file(&file.path, set)).collect::<PyResult<Vec<SceneFile>>>()?;
     run_files::prepare(&out).map_err(|error| errors::of_record(&error))?;
     let has_camera = files.iter().any(|file| file.scene.has_camera());
-    let folders = interruptible(py, move |stop| {
+    let (asked, choice) = (stop.clone(), choice.until(stop.flag()));
+    let folders = interruptible(py, &stop, move || {
         let mut renderer = if has_camera { Some(Renderer::on_adapter(adapter.as_deref())?) } else { None };
         let mut folders = Vec::new();
         for (file, seed) in files.iter().flat_map(|file| seeds.clone().map(move |seed| (file, seed))) {
-            if stop.is_stopped() {
-                break;
-            }
             let used = renderer.as_mut().filter(|_| file.scene.has_camera());
             let options = RunOptions { keep_images };
             let (record, verdict) = run_judged(&file.scene, seed, &choice, &options, used, &mut (), &mut |_| {})?;
+            if asked.is_set() {
+                return Ok(None);
+            }
             folders.push(run_files::write(&out, file, &record, &verdict)?);
         }
-        Ok(folders)
+        Ok(Some(folders))
     })?;
     let cases = folders.into_iter().filter_map(|folder| CaseResult::read(folder).transpose()).collect::<Result<_, _>>();
     let results =
@@ -91,19 +81,25 @@ pub(crate) fn run_sweep(
 ) -> PyResult<Py<PyDict>> {
     let vary =
         vary.iter().map(|(key, values)| variable(&key.extract::<String>()?, &values)).collect::<PyResult<_>>()?;
-    let sweep = Sweep { scene, vary, seeds: range(seeds)?, subject: subject_choice(subject)? };
+    let stop = Stop::default();
+    let sweep = Sweep { scene, vary, seeds: range(seeds)?, subject: subject_choice(subject, &stop)? };
     let (frames, jobs) = (frames_policy(frames)?, jobs.unwrap_or_else(cores));
-    let results = interruptible(py, move |_stop| {
+    let asked = stop.clone();
+    let results = interruptible(py, &stop, move || {
         let mut begun = Begun::of(&sweep, out.as_deref(), adapter.as_deref())?;
         let renderer = begun.renderer.take();
         let (todo, _) = begun.todo(Shard::WHOLE, frames);
+        let subject = sweep.subject.until(asked.flag());
         run_cases(
-            Work { cases: &todo, subject: &sweep.subject, jobs, frames, renderer, store: &begun.store },
+            Work { cases: &todo, subject: &subject, jobs, frames, renderer, store: &begun.store, stop: asked.flag() },
             &mut |_| {},
         )?;
+        if asked.is_set() {
+            return Ok(None);
+        }
         let results = Results::of_sweep(&begun.out, begun.plan, &|_| true);
         report::write(&results, &begun.out)?;
-        Ok(results)
+        Ok(Some(results))
     })?;
     columns(py, &results)
 }
@@ -159,43 +155,6 @@ pub(crate) fn compare_results(
     table.set_item("difference_high", lines.iter().map(|line| line.difference[1]).collect::<Vec<_>>())?;
     table.set_item("finding", lines.iter().map(|line| finding(line.finding)).collect::<Vec<_>>())?;
     Ok((table.unbind(), as_text(&comparison), comparison.is_worse()))
-}
-
-/// Asked of long work: whether the user has interrupted it.
-struct Stop(Arc<AtomicBool>);
-
-impl Stop {
-    fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
-/// Works in a thread of its own without Python's lock, and looks now and then whether the user has interrupted the program. Work that is interrupted
-/// is asked to stop after its present run, and its results are dropped.
-fn interruptible<T: Send + 'static>(
-    py: Python<'_>,
-    work: impl FnOnce(&Stop) -> Result<T, SweepError> + Send + 'static,
-) -> PyResult<T> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let stop = Stop(Arc::clone(&stopped));
-    let (sender, receiver) = channel();
-    thread::spawn(move || sender.send(work(&stop)));
-    let receiver = Mutex::new(receiver);
-    loop {
-        let outcome = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK_PERIOD));
-        match outcome {
-            Ok(outcome) => return outcome.map_err(|error| errors::of_sweep(&error)),
-            Err(RecvTimeoutError::Disconnected) => {
-                return Err(WhereinError::new_err("the simulation panicked; its message is above"));
-            }
-            Err(RecvTimeoutError::Timeout) => {
-                if let Err(interrupt) = py.check_signals() {
-                    stopped.store(true, Ordering::Relaxed);
-                    return Err(interrupt);
-                }
-            }
-        }
-    }
 }
 
 /// Seeds as a `range`, a number, or a text `A..B`.

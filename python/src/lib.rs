@@ -13,6 +13,7 @@ mod localizer;
 mod reading;
 mod result;
 
+mod stop;
 /// The native part of the package `wherein`.
 #[pyo3::pymodule(name = "_native")]
 mod native {

@@ -3,6 +3,7 @@
 use std::{
     io::Write,
     process::ExitCode,
+    sync::atomic::AtomicBool,
     time::{Duration, Instant},
 };
 
@@ -36,6 +37,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
         frames: arguments.frames,
         renderer,
         store: &begun.store,
+        stop: &AtomicBool::new(false),
     })?;
     say(&Ran { todo: &todo, n_meant, took: began.elapsed() }.to_string());
     let results = Results::of_sweep(&begun.out, begun.plan, &|index| shard.holds(index));

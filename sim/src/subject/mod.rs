@@ -4,6 +4,7 @@ mod cues;
 mod extended_kalman_filter;
 mod failure;
 mod foreign_answer;
+mod interruptible;
 mod interval_localizer;
 mod particle_filter;
 mod process;
@@ -43,12 +44,12 @@ pub trait Subject {
         "unnamed"
     }
 
-    /// Starts a drive at time 0 with the robot somewhere in `start`: x and y in metres and heading in radians, in the world frame. It is
     /// Whether the localizer lives in another program, which has begun the run, so that the option `--subject` cannot start it again by its name.
     fn is_elsewhere(&self) -> bool {
         false
     }
 
+    /// Starts a drive at time 0 with the robot somewhere in `start`: x and y in metres and heading in radians, in the world frame. It is
     /// called before the first reading, and again whenever the robot is placed at another station.
     fn start(&mut self, start: &PoseBox);
 

@@ -3,7 +3,7 @@
 use std::{
     fmt,
     str::FromStr,
-    sync::{Arc, PoisonError, RwLock},
+    sync::{Arc, PoisonError, RwLock, atomic::AtomicBool},
     time::Duration,
 };
 
@@ -11,6 +11,7 @@ use crate::scene::Scene;
 
 use super::{
     ExtendedKalmanFilter, ForeignProcess, IntervalLocalizer, ParticleFilter, Subject, extended_kalman_filter::Tuning,
+    interruptible::Interruptible,
 };
 
 /// Time that a process has for each answer unless the user states another. Starting an interpreter with large libraries takes some seconds, and an
@@ -110,6 +111,17 @@ pub fn subject(choice: &SubjectChoice, scene: &Scene) -> Box<dyn Subject> {
 }
 
 impl SubjectChoice {
+    /// The same localizer, whose runs end by a failure at the next step once `stop` is set. This is for a program whose user may interrupt runs, and
+    /// which then drops their records.
+    pub fn until(&self, stop: &Arc<AtomicBool>) -> SubjectChoice {
+        let (choice, stop) = (self.clone(), Arc::clone(stop));
+        SubjectChoice::Added(Added {
+            name: self.to_string(),
+            may_have_changed: self.may_have_changed(),
+            create: Arc::new(move |scene| Box::new(Interruptible::new(subject(&choice, scene), Arc::clone(&stop)))),
+        })
+    }
+
     /// Whether the localizer may have changed since it was tested, although this program is the same and the scene is: a command may start anything.
     pub fn may_have_changed(&self) -> bool {
         matches!(self, SubjectChoice::Command { .. } | SubjectChoice::Added(Added { may_have_changed: true, .. }))

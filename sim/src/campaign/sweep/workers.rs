@@ -33,6 +33,9 @@ pub struct Work<'a> {
     pub renderer: Option<Renderer>,
     /// Folder into which results are written.
     pub store: &'a Store,
+    /// Set from outside to end the sweep before its time. Runs in progress then are not recorded, and end early if the localizer heeds it too
+    /// ([`SubjectChoice::until`]).
+    pub stop: &'a AtomicBool,
 }
 
 /// Outcome of one case.
@@ -51,20 +54,21 @@ pub enum Finished {
 /// A run that panics is recorded as failed, and the other cases go on. An error of the graphics device or of the file system ends the
 /// sweep; cases recorded before stay recorded.
 pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(), SweepError> {
-    let Work { cases, subject, jobs, frames, renderer, store } = work;
+    let Work { cases, subject, jobs, frames, renderer, store, stop } = work;
     let renderers = renderers(renderer, jobs.clamp(1, cases.len().max(1)))?;
-    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let (next, has_erred) = (AtomicUsize::new(0), AtomicBool::new(false));
     let (sender, receiver) = mpsc::channel();
     let mut first_error = None;
+    let running = Running { subject, frames, store, stop };
     thread::scope(|scope| {
         for mut renderer in renderers {
-            let (sender, next, stop) = (sender.clone(), &next, &stop);
+            let (sender, next, has_erred, running) = (sender.clone(), &next, &has_erred, &running);
             scope.spawn(move || {
-                while !stop.load(Ordering::Relaxed) {
+                while !has_erred.load(Ordering::Relaxed) && !stop.load(Ordering::Relaxed) {
                     let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    let outcome = run_case(case, subject, frames, &mut renderer, store);
+                    let outcome = run_case(case, running, &mut renderer);
                     if outcome.is_err() {
-                        stop.store(true, Ordering::Relaxed);
+                        has_erred.store(true, Ordering::Relaxed);
                     }
                     // Sending a case's outcome to the main thread cannot fail, as its receiver lives until every worker thread has ended.
                     let _ = sender.send(outcome);
@@ -74,7 +78,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
         drop(sender);
         for outcome in receiver {
             match outcome {
-                Ok(how) => finished(how),
+                Ok(how) => how.into_iter().for_each(&mut *finished),
                 Err(error) => first_error = first_error.take().or(Some(error)),
             }
         }
@@ -95,24 +99,35 @@ fn renderers(first: Option<Renderer>, jobs: usize) -> Result<Vec<Option<Renderer
     Ok(all)
 }
 
+/// What all cases have in common.
+struct Running<'a> {
+    subject: &'a SubjectChoice,
+    frames: FramesPolicy,
+    store: &'a Store,
+    stop: &'a AtomicBool,
+}
+
+/// Runs a case and records it; `None` where the sweep was ended from outside, so that nothing is recorded.
 fn run_case(
     case: &Case,
-    choice: &SubjectChoice,
-    frames: FramesPolicy,
+    running: &Running<'_>,
     renderer: &mut Option<Renderer>,
-    store: &Store,
-) -> Result<Finished, SweepError> {
+) -> Result<Option<Finished>, SweepError> {
+    let Running { subject: choice, frames, store, stop } = *running;
     let scene = &case.file.scene;
     let options = RunOptions { keep_images: frames };
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
         Ok::<_, SweepError>(run_judged(scene, case.planned.seed, choice, &options, used, &mut (), &mut |_| {})?)
     }));
+    if stop.load(Ordering::Relaxed) {
+        return Ok(None);
+    }
     match attempt {
         Ok(outcome) => {
             let (record, verdict) = outcome?;
             store.write(case, frames, &record, &verdict)?;
-            Ok(if verdict.verdict.passed { Finished::Passed } else { Finished::Missed })
+            Ok(Some(if verdict.verdict.passed { Finished::Passed } else { Finished::Missed }))
         }
         Err(panic) => {
             // A renderer that was in use during a panic may be in an inconsistent state, so that a new one replaces it where the driver allows.
@@ -123,7 +138,7 @@ fn run_case(
                 });
             }
             store.write_failure(case, frames, &format!("the run panicked: {}", message(&panic)))?;
-            Ok(Finished::Failed)
+            Ok(Some(Finished::Failed))
         }
     }
 }
