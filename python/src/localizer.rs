@@ -13,7 +13,8 @@ use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 use crate::{
     answers::sides,
-    intervals::{Ctc, Given, PyBox, on_pose},
+    intervals::{Ctc, Given, PyBox, on_pose, raised},
+    own_robot::{error_law, gyro_model, limit, track, within},
     reading::PyReading,
 };
 
@@ -90,7 +91,7 @@ impl Method for Device {
         match made {
             Ok(contractor) => Some(Constraint::new(self.name, *measured_s, on_pose(contractor?))),
             Err(error) => {
-                Python::attach(|py| error.restore(py));
+                raised::keep(error);
                 None
             }
         }
@@ -143,16 +144,14 @@ impl PyLocalizer {
     /// Takes in a reading: one of `WheelsReading.of_odometry` or an `OtherReading`. Returns why it was dropped, or None.
     fn observe(&self, py: Python<'_>, reading: &PyReading) -> PyResult<Option<String>> {
         let observed = py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).observe(&reading.reading));
-        match PyErr::take(py) {
-            Some(error) => Err(error),
-            None => Ok(observed.dropped.map(|dropped| format!("{dropped:?}"))),
-        }
+        raised::after(observed.dropped.map(|dropped| format!("{dropped:?}")))
     }
 
     /// Where the robot is at a time in seconds, which is not before the newest reading: a union of boxes.
-    fn estimate_at(&self, time_s: f64) -> PoseUnion {
-        let estimate = self.0.lock().unwrap_or_else(PoisonError::into_inner).estimate_at(time_s);
-        PoseUnion {
+    fn estimate_at(&self, py: Python<'_>, time_s: f64) -> PyResult<PoseUnion> {
+        // Contractors may be functions in Python, so that whoever waits for the localizer must not hold Python's lock.
+        let estimate = py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).estimate_at(time_s));
+        raised::after(PoseUnion {
             sides: sides(&estimate.pose),
             time_s,
             recovering: estimate.status == Status::Recovering,

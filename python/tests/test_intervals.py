@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wherein
-from wherein import CtcBox, CtcDist, CtcPolar, CtcQInter, Interval, IntervalVector, SepDist
+from wherein import Ctc, CtcBox, CtcDist, CtcInter, CtcPolar, CtcQInter, CtcUnion, Interval, IntervalVector, SepDist
 
 
 def test_arithmetic_holds_every_result():
@@ -24,6 +24,72 @@ def test_arithmetic_holds_every_result():
 
 
 def test_two_distances_leave_a_place():
+def near(found, low, high):
+    """Whether an interval holds all of [low, high] and hardly more."""
+    return found.lb <= low and high <= found.ub and found.diam() < high - low + 1e-12
+
+
+def test_functions_hold_every_value_and_hardly_more():
+    third, half = math.pi / 3, math.pi / 2
+    assert near(Interval(0, 1).exp(), 1, math.e) and near(Interval(1, math.e).log(), 0, 1)
+    assert near(Interval(-1, 4).sqrt(), 0, 2) and Interval(-4, -1).sqrt().is_empty()
+    assert Interval(-4, 0).log().is_empty()
+    assert near(Interval(0, math.pi / 4).tan(), 0, 1) and near(Interval(-1, 1).atan(), -math.pi / 4, math.pi / 4)
+    assert near(Interval(0, 1).asin(), 0, half) and near(Interval(0.5, 1).acos(), 0, third)
+    # Directions of (1, 1) and of (−1, 1), at 45° and 135°, and a box across the cut.
+    assert near(Interval(1).atan2(Interval(-1, 1)), math.pi / 4, 3 * math.pi / 4)
+    assert near(Interval(-1, 1).atan2(-1), -math.pi, math.pi)
+    assert near(abs(Interval(-1, 2)), 0, 2) and near(abs(Interval(-3, -2)), 2, 3)
+    assert near(Interval(-2, 3) ** 2, 0, 9) and near(Interval(-2, 3) ** 3, -8, 27)
+    assert near(Interval(2, 4) ** -1, 0.25, 0.5) and Interval(2, 4) ** 0 == Interval(1)
+    with pytest.raises(TypeError):
+        Interval(2, 4) ** 0.5
+
+
+def test_intervals_can_be_compared_and_taken_apart():
+    one = Interval(-3, 1)
+    assert (one.mid(), one.mag(), one.mig()) == (-1, 3, 0) and 2 <= one.rad() < 2 + 1e-14
+    assert one.is_subset(Interval(-3, 2)) and not one.is_subset([-2, 2]) and Interval.empty().is_subset(one)
+    assert near(one.inflate(0.5), -3.5, 1.5) and one.bisect() == (Interval(-3, -1), Interval(-1, 1))
+    assert {Interval(0, 1), Interval(-0.0, 1), Interval(0, 2)} == {Interval(0, 1), Interval(0, 2)}
+    for wrong in (lambda: one.inflate(-1), lambda: one.inflate(math.nan), Interval(1).bisect, Interval.empty().bisect):
+        with pytest.raises(ValueError, match="expected"):
+            wrong()
+
+
+def test_boxes_are_equal_by_what_they_hold():
+    box, same = IntervalVector([[0, 1], [2, 3]]), IntervalVector(np.array([[0, 1], [2, 3]]))
+    assert box == same and not box != same and hash(box) == hash(same)
+    assert box != IntervalVector([[0, 1], [2, 4]]) and box != IntervalVector([[0, 1]]) and box != 3
+    empty = box & [[5, 6], [2, 3]]
+    assert empty.is_empty() and empty == (box & [[0, 1], [7, 8]]) and hash(empty) == hash(box & [[0, 1], [7, 8]])
+
+
+def test_components_of_boxes_are_counted_as_those_of_lists_are():
+    box = IntervalVector([[0, 1], [2, 3]])
+    assert (box[0], box[1], box[-1], box[-2]) == (Interval(0, 1), Interval(2, 3), Interval(2, 3), Interval(0, 1))
+    assert list(box) == [Interval(0, 1), Interval(2, 3)]
+    for beyond in (2, -3):
+        with pytest.raises(IndexError, match=f"found {beyond}"):
+            box[beyond]
+
+
+def test_boxes_can_be_computed_with():
+    box = IntervalVector([[0, 1], [2, 6]])
+    assert near((box + [1, [-1, 1]])[0], 1, 2) and near((box + [1, [-1, 1]])[1], 1, 7)
+    assert near((box - box)[1], -4, 4)
+    assert box & [[0.5, 2], [0, 3]] == IntervalVector([[0.5, 1], [2, 3]])
+    assert box | [[0.5, 2], [0, 3]] == IntervalVector([[0, 2], [0, 6]])
+    assert 4 <= box.max_diam() < 4 + 1e-14 and box.rad()[0] == pytest.approx(0.5)
+    assert near(box.inflate(1)[0], -1, 2) and near(box.inflate(1)[1], 1, 7)
+    assert box.bisect() == (IntervalVector([[0, 1], [2, 4]]), IntervalVector([[0, 1], [4, 6]]))
+    assert box.bisect(0) == box.bisect(-2) == (IntervalVector([[0, 0.5], [2, 6]]), IntervalVector([[0.5, 1], [2, 6]]))
+    assert box.is_subset([[0, 1], [2, 7]]) and not box.is_subset([[0, 1], [3, 7]])
+    assert np.array([0.5, 3]) in box and (0.5, 7) not in box
+    with pytest.raises(ValueError, match="boxes of 2 intervals, found 1"):
+        box + [1]
+
+
     # 5 m from two pegs that are 6 m apart: 3 m along and 4 m away.
     room = IntervalVector([[0, 10], [0, 10]])
     both = CtcDist((0, 0), Interval.centred(5, 0.01)) & CtcDist((6, 0), Interval.centred(5, 0.01))
@@ -54,6 +120,52 @@ def test_one_wrong_of_three_ranges_is_survived():
 
 
 def test_a_paving_tells_inside_from_outside():
+def test_contractors_of_a_list_are_those_of_the_operators():
+    room = IntervalVector([[-9, 9], [-9, 9]])
+    peg, other, third = CtcDist((0, 0), [4.9, 5.1]), CtcDist((6, 0), [4.9, 5.1]), CtcBox(IntervalVector([[0, 9], [0, 9]]))
+    assert CtcInter([peg, other, third]).contract(room) == (peg & other & third).contract(room)
+    assert CtcUnion([peg, other]).contract(room) == (peg | other).contract(room)
+    # 5 m from both pegs is 3 m along and 4 m to either side; either peg alone allows 5.1 m to the left of the first.
+    assert [3, 4] in CtcInter([peg, other]).contract(room) and CtcInter([peg, other]).contract(room)[0].lb > 0
+    assert CtcUnion([peg, other]).contract(room)[0].lb < -5
+    for join in (CtcInter, CtcUnion):
+        with pytest.raises(ValueError, match="at least one"):
+            join([])
+
+
+def test_a_function_can_be_a_contractor():
+    # Places with x ≤ y.
+    def left_of_diagonal(box):
+        x, y = box[0], box[1]
+        return IntervalVector([x & [-math.inf, y.ub], y & [x.lb, math.inf]])
+
+    room, diagonal = IntervalVector([[0, 9], [-9, 4]]), Ctc(left_of_diagonal)
+    assert diagonal.contract(room) == IntervalVector([[0, 4], [0, 4]])
+    # At 5 m from the origin and above the diagonal, x is at most 5/√2 and y at least that.
+    boxes = (CtcDist((0, 0), 5) & diagonal).pave(IntervalVector([[0, 9], [0, 9]]), 0.01)
+    assert boxes[:, 0, 1].max() == pytest.approx(5 / math.sqrt(2), abs=0.02)
+    assert boxes[:, 1, 0].min() == pytest.approx(5 / math.sqrt(2), abs=0.02)
+    # What a function adds to the box that it was given does not count.
+    assert Ctc(lambda box: box.inflate(1)).contract(room) == room
+
+
+@pytest.mark.parametrize("use", [lambda own, room: own.contract(room), lambda own, room: (own | own).pave(room, 0.1)])
+def test_an_exception_of_a_contractor_reaches_whoever_uses_it(use):
+    room, calls = IntervalVector([[0, 8], [0, 6]]), []
+
+    def broken(box):
+        calls.append(box)
+        raise ZeroDivisionError("no constraint")
+
+    with pytest.raises(ZeroDivisionError, match="no constraint"):
+        use(Ctc(broken), room)
+    assert len(calls) == 1
+    with pytest.raises(TypeError, match="expected an IntervalVector .* found None"):
+        use(Ctc(lambda box: None), room)
+    with pytest.raises(TypeError, match="expected a function"):
+        Ctc(3)
+
+
     ring = SepDist((0, 0), [1, 2])
     inner, outer, boundary = wherein.sivia(IntervalVector([[-3, 3], [-3, 3]]), ring, 0.1)
     area = lambda boxes: np.prod(boxes[:, :, 1] - boxes[:, :, 0], axis=1).sum()

@@ -1,6 +1,7 @@
 """The type stubs tell what the native part has."""
 
 import ast
+import importlib.metadata
 import inspect
 import subprocess
 import sys
@@ -35,6 +36,10 @@ def test_everything_public_is_documented_and_exported():
         members = public(vars(thing)) if inspect.isclass(thing) and thing.__module__.startswith("wherein") else ()
         for member in members:
             assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
+def test_the_version_is_that_of_the_installed_package():
+    assert wherein.__version__ == importlib.metadata.version("wherein")
 
 
 def test_a_type_checker_accepts_the_package_and_the_examples():
