@@ -10,10 +10,11 @@ mod experiments;
 mod intervals;
 mod json;
 mod localizer;
+mod own_robot;
 mod reading;
 mod result;
-
 mod stop;
+
 /// The native part of the package `wherein`.
 #[pyo3::pymodule(name = "_native")]
 mod native {
@@ -31,7 +32,6 @@ mod native {
         reading::{FlowReading, GyroReading, ImageReading, OtherReading, PyReading, RangeReading, WheelsReading},
         result::DriveResult,
     };
-}
 
     use numpy::PyArray1;
     use pyo3::prelude::*;
@@ -43,3 +43,4 @@ mod native {
         PyArray1::<f64>::zeros(module.py(), [0], false);
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
+}

@@ -5,11 +5,15 @@ use std::sync::{Mutex, PoisonError};
 use ::localizer::{
     Constraint, Localizer, Map, Method, PoseBox, Reading, RobotModel, Status,
     method::Context,
-    robot::{ErrorLaw, Reach, WheelModel},
+    robot::{Reach, WheelModel},
 };
 use interval::Interval;
 use numpy::{PyArray3, ndarray::Array3};
-use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
+use pyo3::{
+    exceptions::{PyTypeError, PyValueError},
+    prelude::*,
+    types::PyDict,
+};
 
 use crate::{
     answers::sides,
@@ -108,10 +112,13 @@ impl PyLocalizer {
     /// along, aside: greatest error of a wheel's travel ahead and of the robot's travel to the side: (metres at any time, share of the way, metres per
     ///     second).
     /// speed_m_per_s, turn_rate_rad_per_s, acceleration_m_per_s2: limits that no motion exceeds.
+    /// gyro: the gyroscope whose GyroReadings are given, a dict with the keys that `Drive.told` has for it: `bias_rad_per_s` and `scale`, intervals,
+    ///     `noise_rad_per_s`, greatest noise of one reading, and `period_s`, over which a reading averages. Further keys may bound what noise and bias
+    ///     do over longer times: `angle_floor_rad`, `angle_rad_per_s`, `bias_wander_rad_per_s2`.
     /// devices: for each further device a function from the numbers of its reading to a contractor of x and y, or to None.
     #[new]
     #[pyo3(signature = (room, start, *, track_m, along=(0.002, 0.02, 0.0), aside=(0.002, 0.01, 0.0), speed_m_per_s=0.5,
-        turn_rate_rad_per_s=1.0, acceleration_m_per_s2=1.0, devices=None))]
+        turn_rate_rad_per_s=1.0, acceleration_m_per_s2=1.0, gyro=None, devices=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         room: &PyBox,
@@ -122,26 +129,40 @@ impl PyLocalizer {
         speed_m_per_s: f64,
         turn_rate_rad_per_s: f64,
         acceleration_m_per_s2: f64,
+        gyro: Option<&Bound<'_, PyDict>>,
         devices: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyLocalizer> {
         let ([x, y], [start_x, start_y, heading]) = (&room.0[..], &start.0[..]) else {
             return Err(PyValueError::new_err("expected a room of 2 intervals and a start of 3"));
         };
-        let law = |(floor_m, share, m_per_s): (f64, f64, f64)| ErrorLaw { floor_m, share, m_per_s };
-        let wheels = WheelModel::of_odometry(track_m.interval()?, law(along), law(aside));
-        let reach = Reach { speed_m_per_s, turn_rate_rad_per_s, acceleration_m_per_s2 };
+        within("room", room)?;
+        within("start", start)?;
+        let wheels = WheelModel::of_odometry(track(&track_m)?, error_law("along", along)?, error_law("aside", aside)?);
+        let reach = Reach {
+            speed_m_per_s: limit("speed_m_per_s", speed_m_per_s)?,
+            turn_rate_rad_per_s: limit("turn_rate_rad_per_s", turn_rate_rad_per_s)?,
+            acceleration_m_per_s2: limit("acceleration_m_per_s2", acceleration_m_per_s2)?,
+        };
+        let gyro = gyro.map(gyro_model).transpose()?;
         let mut methods: Vec<Box<dyn Method>> = Vec::new();
         for (name, constrain) in devices.into_iter().flatten() {
             // Names of methods last as long as the program, as those of the built-in ones do.
             let name: &'static str = Box::leak(name.extract::<String>()?.into_boxed_str());
+            if !constrain.is_callable() {
+                let found = constrain.repr()?;
+                return Err(PyTypeError::new_err(format!(
+                    "devices: {name}: expected a function from a list of numbers to a contractor, found {found}"
+                )));
+            }
             methods.push(Box::new(Device { name, constrain: constrain.unbind() }));
         }
         let start = PoseBox::new([*start_x, *start_y, *heading]);
-        let localizer = Localizer::new(Map::of_room([*x, *y]), RobotModel::new(wheels, reach), methods, start);
+        let robot = RobotModel { gyro, ..RobotModel::new(wheels, reach) };
+        let localizer = Localizer::new(Map::of_room([*x, *y]), robot, methods, start);
         Ok(PyLocalizer(Mutex::new(localizer)))
     }
 
-    /// Takes in a reading: one of `WheelsReading.of_odometry` or an `OtherReading`. Returns why it was dropped, or None.
+    /// Takes in a reading: one of `WheelsReading.of_odometry`, a `GyroReading` or an `OtherReading`. Returns why it was dropped, or None.
     fn observe(&self, py: Python<'_>, reading: &PyReading) -> PyResult<Option<String>> {
         let observed = py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).observe(&reading.reading));
         raised::after(observed.dropped.map(|dropped| format!("{dropped:?}")))
@@ -156,6 +177,6 @@ impl PyLocalizer {
             time_s,
             recovering: estimate.status == Status::Recovering,
             relies_on: estimate.relies_on.iter().map(|name| (*name).to_owned()).collect(),
-        }
+        })
     }
 }

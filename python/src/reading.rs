@@ -65,7 +65,7 @@ impl WheelsReading {
         PyClassInitializer::from(PyReading { reading: Arc::new(reading) }).add_subclass(WheelsReading { ticks })
     }
 
-    /// A reading of odometry, in metres that the left and the right wheel have rolled since the start, for `Robot.of_odometry`.
+    /// A reading of odometry, in metres that the left and the right wheel have rolled since the start, for `Localizer`.
     #[staticmethod]
     fn of_odometry(py: Python<'_>, measured_s: f64, travel_m: (f64, f64)) -> PyResult<Py<PyAny>> {
         let reading = Reading::odometry(measured_s, measured_s, [travel_m.0, travel_m.1]).ok_or_else(|| {

@@ -1,6 +1,7 @@
 """Intervals, contractors, pavings, and the interval localizer on own readings; expected values by hand."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +24,6 @@ def test_arithmetic_holds_every_result():
         Interval(math.nan)
 
 
-def test_two_distances_leave_a_place():
 def near(found, low, high):
     """Whether an interval holds all of [low, high] and hardly more."""
     return found.lb <= low and high <= found.ub and found.diam() < high - low + 1e-12
@@ -90,6 +90,7 @@ def test_boxes_can_be_computed_with():
         box + [1]
 
 
+def test_two_distances_leave_a_place():
     # 5 m from two pegs that are 6 m apart: 3 m along and 4 m away.
     room = IntervalVector([[0, 10], [0, 10]])
     both = CtcDist((0, 0), Interval.centred(5, 0.01)) & CtcDist((6, 0), Interval.centred(5, 0.01))
@@ -119,7 +120,6 @@ def test_one_wrong_of_three_ranges_is_survived():
     assert np.ptp(boxes) < 8
 
 
-def test_a_paving_tells_inside_from_outside():
 def test_contractors_of_a_list_are_those_of_the_operators():
     room = IntervalVector([[-9, 9], [-9, 9]])
     peg, other, third = CtcDist((0, 0), [4.9, 5.1]), CtcDist((6, 0), [4.9, 5.1]), CtcBox(IntervalVector([[0, 9], [0, 9]]))
@@ -166,6 +166,7 @@ def test_an_exception_of_a_contractor_reaches_whoever_uses_it(use):
         Ctc(3)
 
 
+def test_a_paving_tells_inside_from_outside():
     ring = SepDist((0, 0), [1, 2])
     inner, outer, boundary = wherein.sivia(IntervalVector([[-3, 3], [-3, 3]]), ring, 0.1)
     area = lambda boxes: np.prod(boxes[:, :, 1] - boxes[:, :, 0], axis=1).sum()
@@ -210,3 +211,65 @@ def test_an_exception_of_a_device_reaches_whoever_gives_the_reading():
     localizer.observe(wherein.WheelsReading.of_odometry(0.01, (0, 0)))
     with pytest.raises(ZeroDivisionError, match="no range"):
         localizer.observe(wherein.OtherReading(0.01, "beacon", [1.0]))
+
+
+HALL = IntervalVector([[0, 8], [0, 6]])
+START = IntervalVector([[3.9, 4.1], [2.9, 3.1], [-0.01, 0.01]])
+GYRO = {"bias_rad_per_s": [-0.001, 0.001], "scale": [0.999, 1.001], "noise_rad_per_s": 0.001, "period_s": 0.01}
+
+
+def turned(**robot):
+    """The box after a turn by 2 rad in 4 s on the spot, by wheels that slip a lot, and by a gyroscope if the robot has one."""
+    localizer = wherein.Localizer(HALL, START, track_m=0.4, along=(0.002, 0.2, 0.0), turn_rate_rad_per_s=2.0, **robot)
+    for step in range(401):
+        time_s = step / 100
+        dropped = localizer.observe(wherein.GyroReading(time_s, 0.5))
+        assert (dropped is None) == ("gyro" in robot)
+        assert localizer.observe(wherein.WheelsReading.of_odometry(time_s, (-0.1 * time_s, 0.1 * time_s))) is None
+    return localizer.estimate_at(4.0)
+
+
+def test_a_gyroscope_makes_the_heading_sharper_than_wheels_that_slip():
+    without, with_gyro = turned(), turned(gyro=GYRO)
+    assert [4.0, 3.0, 2.0] in without and [4.0, 3.0, 2.0] in with_gyro
+    # Over 4 s, 2 mrad/s of bias and noise are 8 mrad, and 1 ‰ of scale is 2 mrad, to both sides of the start's 0.02 rad: together 0.04 rad.
+    assert 0.04 <= with_gyro.hull[2].diam() < 0.041
+    # Each wheel rolls 0.4 m, with an error of 2 mm and a fifth of that: 2 · 0.082 m / 0.4 m, to both sides of the start.
+    assert 0.84 <= without.hull[2].diam() < 0.841
+    assert "gyro.bias" in with_gyro.relies_on and "gyro.bias" not in without.relies_on
+
+
+def test_a_gyroscope_is_told_as_a_drive_tells_it():
+    drive = wherein.Drive(Path(__file__).parents[2] / "scenes" / "gnss.toml")
+    wherein.Localizer(HALL, START, track_m=0.4, gyro=drive.told["robot"]["gyro"])
+
+
+@pytest.mark.parametrize(
+    "robot, said",
+    [
+        ({"track_m": -0.3}, r"track_m: expected .* above 0, found \[-0.3, -0.3\]"),
+        ({"track_m": [0, 0.3]}, "track_m: "),
+        ({"along": (math.nan, 0, 0)}, "along: metres at any time: expected .* at least 0, found NaN"),
+        ({"along": (0, -1, 0)}, "along: share of the way: .* found -1"),
+        ({"aside": (0, 0, math.inf)}, "aside: metres per second: .* found inf"),
+        ({"speed_m_per_s": math.nan}, "speed_m_per_s: expected a finite number above 0, found NaN"),
+        ({"turn_rate_rad_per_s": 0}, "turn_rate_rad_per_s: .* found 0"),
+        ({"acceleration_m_per_s2": -1}, "acceleration_m_per_s2: .* found -1"),
+        ({"room": IntervalVector([[0, math.inf], [0, 6]])}, "room: expected bounded intervals"),
+        ({"start": IntervalVector([[0, 1], [0, 6]])}, "a start of 3"),
+        ({"gyro": {}}, "gyro: expected the key `bias_rad_per_s`"),
+        ({"gyro": {**GYRO, "bias": 1}}, "gyro: expected keys of bias_rad_per_s, .* found `bias`"),
+        ({"gyro": {**GYRO, "scale": [-1, 1]}}, r"gyro: scale: .* found \[-1, 1\]"),
+        ({"gyro": {**GYRO, "noise_rad_per_s": math.nan}}, "gyro: noise_rad_per_s: .* found NaN"),
+        ({"gyro": {**GYRO, "period_s": 0}}, "gyro: period_s: .* found 0"),
+    ],
+)
+def test_a_robot_that_cannot_be_is_refused_by_name_and_value(robot, said):
+    given = {"room": HALL, "start": START, "track_m": 0.4, **robot}
+    with pytest.raises(ValueError, match=said):
+        wherein.Localizer(given.pop("room"), given.pop("start"), **given)
+
+
+def test_devices_are_functions():
+    with pytest.raises(TypeError, match="devices: beacon: expected a function"):
+        wherein.Localizer(HALL, START, track_m=0.4, devices={"beacon": 3})
