@@ -1,3 +1,5 @@
+//! What a newcomer meets in the first hour: default exposures, coarse encoders, scenes whose methods have nothing to read.
+
 use std::fs;
 
 use localizer::reading::Camera;
