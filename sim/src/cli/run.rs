@@ -22,6 +22,7 @@ use crate::{
     loading::SceneFile,
     render::Renderer,
     run::{FramesPolicy, RunOptions},
+    subject::SubjectChoice,
 };
 
 use super::{
@@ -85,7 +86,9 @@ struct Recorded {
 /// Runs every scene with every seed that the arguments name, and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = arguments.which.load()?;
-    for file in &files {
+    // Methods are the interval localizer's: another localizer reads what it likes.
+    let methods_matter = matches!(arguments.tested.choice(), SubjectChoice::Intervals);
+    for file in files.iter().filter(|_| methods_matter) {
         file.scene.remarks().iter().for_each(|remark| eprintln!("wherein: {}: {remark}", file.path.display()));
     }
     run_files::prepare(&arguments.out)?;
