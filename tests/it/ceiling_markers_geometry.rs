@@ -203,7 +203,10 @@ impl Situation {
                 let image = self.project(self.dot(rng, idx, place));
                 let off = self.camera.distortion_px;
                 let centre_px = image.map(|at| at + (bound_px + off) * corner(rng) * 0.999_999);
-                dots.push((place, Dot { centre_px, bound_px, radius_px: 2.9, level: 200.0, flux: 5000.0 }));
+                dots.push((
+                    place,
+                    Dot { centre_px, bound_px, radius_px: 2.9, level: 200.0, flux: 5000.0, clipped_px: 0.0 },
+                ));
             }
             markers.push(SeenMarker { id, dots, confidence: 1.0 });
         }

@@ -5,7 +5,7 @@ use std::fs;
 use localizer::{Claim, reading::Camera};
 use sim::{
     judge::{is_true, violations},
-    scene::Scene,
+    scene::{Distribution, Scene},
 };
 
 use crate::{
@@ -17,8 +17,8 @@ use crate::{
 /// camera in paper 5 (ceiling markers). `more` is inserted before the table of markers.
 fn text(more: &str) -> String {
     let head = "duration_s = 3.0\n[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[robot]\nfloor_camera = false\nERRORS\
-        [robot.ceiling_camera]\nwidth_px = 320\nheight_px = 240\nfocal_px = [300.0, 300.0]\n\
-        principal_point_px = [159.5, 119.5]\nforward_m = 0.05\nleft_m = -0.03\nlean_left_deg = 4.0\nperiod_s = 0.25\n\
+        [robot.ceiling_camera]\nwidth_px = 400\nheight_px = 300\nfocal_px = [375.0, 375.0]\n\
+        principal_point_px = [199.5, 149.5]\nforward_m = 0.05\nleft_m = -0.03\nlean_left_deg = 4.0\nperiod_s = 0.25\n\
         [robot.ceiling_camera.sensor]\nexposure_s = 0.0004\n[localizer]\nmethods = [\"ceiling_markers\"]\n\
         [start]\nx_m = 1.2\ny_m = 1.3\nheading_deg = 20\n[[lamp]]\nkind = \"tube\"\nx_m = 2.0\ny_m = 2.2\n\
         [[route.waypoint]]\nx_m = 2.6\ny_m = 1.6\n";
@@ -53,6 +53,18 @@ fn a_drive_under_markers_keeps_the_truth_and_says_only_what_is_so() {
         assert!(at_fix.x_m.mean < 0.05 && at_fix.y_m.mean < 0.05, "{at_fix:?}");
         assert!(record.images.iter().all(|image| image.method == "ceiling_markers"));
         assert_eq!(record.marker_baselines.answers.len(), record.images.len());
+    }
+}
+
+#[test]
+fn overexposed_dots_are_claimed_truly_with_every_error_at_a_corner() {
+    // Most dots of this scene are clipped at white, by a factor of up to four.
+    let mut scene = scene("");
+    scene.robot.errors = Distribution::Corner;
+    for seed in 0..6 {
+        let (_, verdict) = judged(&scene, seed);
+        let counts = &verdict.methods["ceiling_markers"];
+        assert!(counts.claims > 30 && counts.false_claims == 0, "seed {seed}: {counts:?}");
     }
 }
 

@@ -59,12 +59,22 @@ fn tiles_larger_than_the_view_are_located_by_one_joint_at_a_time() {
     assert!(counted.iter().filter(|count| **count == 1).count() > 5, "{counted:?}");
 }
 
+/// A ceiling camera that sees a marker's dots, of 10 mm radius and 2.3 m above it, with a radius of 1.3 px.
+const COARSE_CEILING_CAMERA: &str = "[localizer]\nmethods = [\"ceiling_markers\"]\n[robot.ceiling_camera]\nwidth_px = 320\nheight_px = 240\n\
+                                     focal_px = [300.0, 300.0]\nprincipal_point_px = [159.5, 119.5]\n[[markers.marker]]\nid = 125\nx_m = 1.0\n\
+                                     y_m = 1.0\n";
+
 #[test]
 fn a_scene_whose_methods_have_nothing_to_read_is_told_so() {
     let place = folder("nothing_to_read");
     for (name, more, part) in [
         ("none", "[localizer]\nmethods = []\n", "`localizer.methods = []`"),
         ("unfitted", "", "`floor_tiles` has nothing to read, expected `robot.floor_camera`"),
+        (
+            "coarse",
+            COARSE_CEILING_CAMERA,
+            "`robot.ceiling_camera.focal_px`: the dots of the markers have a radius of less than 1.5 px",
+        ),
     ] {
         let file = format!("{name}.toml");
         fs::write(place.join(&file), blind_scene(0.5, more)).unwrap();

@@ -57,6 +57,5 @@ fn witnesses_on_tiles_keep_the_bounds_of_a_careful_user() {
 fn witnesses_under_markers_lie_in_boxes_that_are_little_wider() {
     let mut scene = crate::ceiling_runs::scene("");
     scene.robot.errors = Distribution::Corner;
-    // With seed 2 a dot lies 0.1445 px from where it is claimed to 0.1431 px, so that the truth itself breaks a claim.
-    demand_witnesses(&sharpness(&scene, 3), 2.5);
+    demand_witnesses(&sharpness(&scene, 2), 2.5);
 }

@@ -59,6 +59,8 @@ pub const RELIES_ON: [Assumption; 16] = [
     bounds::REACH_TURN_RATE,
 ];
 
+pub use crate::vision::ceiling::marker::LEAST_RADIUS_PX;
+
 /// Greatest number of markers of an image that are used. Those farthest from the middle of the picture are left out, because the number of
 /// ways to choose which markers are wrong (not as the map says) grows quickly with the number of markers.
 const MOST_MARKERS: usize = 8;
@@ -96,6 +98,12 @@ impl CeilingMarkers {
             camera,
             view,
         })
+    }
+
+    /// Whether the dots of the lowest marker, seen straight above an upright camera, are large enough to be read: a radius of at least
+    /// [`LEAST_RADIUS_PX`].
+    pub fn resolves_dots(&self) -> bool {
+        self.view.greatest_upright_radius_px() >= LEAST_RADIUS_PX
     }
 
     /// Constraint on the pose from the markers found in an image with the stamp `stamp_s`; `None` when none of the markers is on the map.

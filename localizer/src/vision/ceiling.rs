@@ -10,6 +10,7 @@
 //! paper:   threshold 200 ──> area, aspect ──> erosion, dilation ──> nearest ──> AND ──> O, A, B ──> identity
 //! ```
 
+mod clipping;
 mod components;
 pub mod confidence;
 pub mod dots;
@@ -37,14 +38,22 @@ pub struct CeilingView {
     pub electrons_per_grey: f64,
 }
 
+/// Share by which a dot's image may be smaller or larger than straight above an upright camera, besides what the camera's lean adds.
+const OBLIQUE: f64 = 0.1;
+
 impl CeilingView {
     /// The declared view of a camera with this focal length, whose optical centre is between `distance_m[0]` and `distance_m[1]` below the markers.
     pub fn new(focal_px: f64, distance_m: [f64; 2], lean: f64, electrons_per_grey: f64) -> CeilingView {
         // A dot that is seen obliquely appears a little smaller or larger.
         let radius_px = |distance_m: f64, slack: f64| slack * focal_px * DOT_RADIUS_M / distance_m;
-        let slack = 0.1 + lean;
+        let slack = OBLIQUE + lean;
         let dot_radius_px = [radius_px(distance_m[1], 1.0 - slack), radius_px(distance_m[0], 1.0 + slack)];
         CeilingView { dot_radius_px, focal_px, lean, electrons_per_grey }
+    }
+
+    /// Greatest radius of the image of a dot straight above an upright camera.
+    pub fn greatest_upright_radius_px(&self) -> f64 {
+        self.dot_radius_px[1] / (1.0 + OBLIQUE + self.lean)
     }
 }
 
@@ -80,6 +89,8 @@ pub struct Dot {
     pub level: f64,
     /// Sum of the dot's grey levels above its surroundings.
     pub flux: f64,
+    /// Number of the dot's pixels that are clipped at white.
+    pub clipped_px: f64,
 }
 
 /// A marker that was read from an image.

@@ -1,5 +1,7 @@
 //! Remarks on a valid scene that is perhaps not what its author meant.
 
+use localizer::methods::ceiling_markers::{CeilingMarkers, LEAST_RADIUS_PX};
+
 use crate::scene::{MethodName, Scene};
 
 impl Scene {
@@ -12,6 +14,7 @@ impl Scene {
                         is meant";
             return vec![text.to_owned()];
         }
+        let unread = methods.contains(&MethodName::CeilingMarkers).then(|| self.dots_too_small()).flatten();
         methods
             .iter()
             .filter_map(|method| {
@@ -20,7 +23,19 @@ impl Scene {
                 let name = name.as_str().unwrap_or_default();
                 Some(format!("`localizer.methods`: `{name}` has nothing to read, expected `{missing}`"))
             })
+            .chain(unread)
             .collect()
+    }
+
+    /// Says that the ceiling camera sees the dots of all markers too small to read them, if so.
+    fn dots_too_small(&self) -> Option<String> {
+        let markers = CeilingMarkers::new(&self.map(), &self.robot_model())?;
+        (!markers.resolves_dots()).then(|| {
+            format!(
+                "`robot.ceiling_camera.focal_px`: the dots of the markers have a radius of less than {LEAST_RADIUS_PX} px in the image, so that no \
+                 marker is read; expected a greater focal length or a lower ceiling"
+            )
+        })
     }
 
     /// Key of the table that states what a method looks at, if the scene has none of it.

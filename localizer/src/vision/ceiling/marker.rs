@@ -6,10 +6,14 @@
 
 use image::GrayImage;
 
+use super::clipping::with_clipping;
 use super::confidence::confidence;
 use super::{CeilingMarkers, CeilingView, Dot, SeenMarker};
 use crate::markers::{EMPTY_CORNER, GRID, GridPlace, MarkerId};
 
+/// Least radius of the image of a marker's dots. The rims of neighbouring dots are two radii apart; if that is less than 3 px, soft edges of one dot
+/// fall into the window over which the light of the next is summed, and shift its centroid by more than its bound.
+pub const LEAST_RADIUS_PX: f64 = 1.5;
 /// Greatest distance, in pitches of the grid, of a dot from its place on the grid that a marker's corner dots span.
 const OFF_GRID: f64 = 0.2;
 /// A dot counts as part of a marker up to this distance beyond the edge of the marker's grid, in pitches.
@@ -105,6 +109,11 @@ fn read_grid(
     let origin = dots[o].centre_px;
     let step = [minus(dots[x].centre_px, origin), minus(dots[y].centre_px, origin)].map(|[u, v]| [u / 3.0, v / 3.0]);
     let determinant = cross(step[0], step[1]);
+    // A pitch of the marker's grid is four dot radii.
+    if step.iter().any(|pitch| norm(*pitch) < 4.0 * LEAST_RADIUS_PX) {
+        return None;
+    }
+    let radius_px = 0.25 * determinant.abs().sqrt();
     let mut members: Vec<(GridPlace, usize)> = Vec::new();
     for (index, dot) in dots.iter().enumerate() {
         let away = minus(dot.centre_px, origin);
@@ -142,7 +151,8 @@ fn read_grid(
         }
     }
     let id = MarkerId::from_dots(members.iter().map(|(place, _)| *place));
-    let placed: Vec<(GridPlace, Dot)> = members.iter().map(|(place, index)| (*place, dots[*index])).collect();
+    let placed: Vec<(GridPlace, Dot)> =
+        members.iter().map(|(place, index)| (*place, with_clipping(dots[*index], radius_px))).collect();
     if !fits_grid(&placed, view) {
         return None;
     }

@@ -269,6 +269,31 @@ mod tests {
         assert!(tally.read as f64 >= 0.999 * tally.in_view as f64);
     }
 
+    #[test]
+    fn small_sharp_and_overexposed_dots_lie_within_their_bounds() {
+        let (mut random, mut tally) = (Random::new(seed(108)), Tally::default());
+        let table = Coding::Hexads.table();
+        for _ in 0..frames(150) {
+            let distance_m = random.between(1.5, 2.8);
+            let mut eye = random_eye(distance_m, 0.005, &mut random);
+            // Dots have radii from 1.3 to 4 px; markers with smaller ones than 1.5 px are not read.
+            let focal_px = random.between(1.3, 4.0) * distance_m / 0.01;
+            eye.focal_px = [focal_px; 2];
+            let words = Coding::Hexads.identities();
+            let id = words[(random.unit() * words.len() as f64) as usize];
+            let mut pasted = Pasted::new(id, [eye.place_m.x, eye.place_m.y], random.between(-4.0, 4.0), 3.0);
+            // From three quarters of white to a hundred times as bright.
+            pasted.level = 190.0 * random.between(0.0, 128.0_f64.ln()).exp();
+            let mut ceiling = Ceiling { sigma_px: random.between(0.15, 0.5), ..Ceiling::new(vec![pasted]) };
+            ceiling.electrons = 10_000.0;
+            let view = CeilingView::new(focal_px, [distance_m - 0.02, distance_m + 0.02], 0.005, 10_000.0 / 128.0);
+            tally.add(&ceiling, &eye, &view, &table, &mut random);
+        }
+        tally.print("small and overexposed");
+        assert_eq!((tally.misread, tally.false_dots), (0, 0));
+        assert!(tally.dots > 500, "{} dots", tally.dots);
+    }
+
     /// Makes and reads an image of one marker in the middle, damaged by `spoil`. Returns the marker's true identity and the one that was read. Panics
     /// if a dot is reported farther from its true position than its bound, unless the marker is mirrored.
     fn read_spoilt(random: &mut Random, spoil: impl FnOnce(&mut Pasted, &mut Random)) -> (MarkerId, Option<MarkerId>) {
