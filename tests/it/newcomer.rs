@@ -1,4 +1,4 @@
-//! What a newcomer meets in the first hour: coarse encoders, scenes whose methods have nothing to read.
+//! What a newcomer meets in the first hour: default exposures, coarse encoders, scenes whose methods have nothing to read.
 
 use std::fs;
 
@@ -6,12 +6,24 @@ use localizer::reading::Camera;
 use sim::scene::Scene;
 
 use crate::{
-    command::{blind_scene, folder, outcome, wherein},
+    command::{blind_scene, folder, outcome, root, wherein},
     render_studio::judged,
 };
 
 fn scene(text: &str) -> Scene {
     Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+#[test]
+fn the_tutorials_hall_reads_its_markers_by_the_default_exposure() {
+    let page = fs::read_to_string(root().join("docs/src/ci.md")).unwrap();
+    let hall = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert!(hall.contains("[robot.ceiling_camera]") && !hall.contains("exposure"), "{hall}");
+    let (_, verdict) = judged(&scene(hall), 0);
+    // Every marker in view is read, and the estimate is available for as much of the drive as tutorials have to show.
+    assert!(verdict.metrics["markers_read_share"] > 0.99, "{:?}", verdict.metrics);
+    assert!(verdict.availability.unwrap() > 0.95, "{:?}", verdict.availability);
+    assert!(verdict.verdict.passed, "{:?}", verdict.verdict.failed);
 }
 
 /// A robot with a track of 0.18 m, wheels of 33 mm and coarse encoders that rests for 5 s before it drives.
