@@ -165,6 +165,23 @@ fn satellite_positions_narrow_the_boxes_and_bad_ones_are_dropped() {
 }
 
 #[test]
+fn a_position_half_a_metre_beside_what_its_covariance_allows_is_named_and_leaves_the_truth_in_the_boxes() {
+    let replay = replayed(&robot("odometry.toml", &[]), "outlier").unwrap();
+    assert_holds_the_truth(&replay.summary, 50);
+    assert!(!replay.passed);
+    let found = replay.summary["contradictions"].as_array().unwrap();
+    let at_outlier = |one: &Value| {
+        one["time_s"] == 4.4 && one["bounds"].as_array().unwrap().iter().any(|bound| bound == "gnss.fixed")
+    };
+    assert!(found.len() == 1 && at_outlier(&found[0]), "{found:?}");
+    // The true poses tell it too: the noise of at most 10 mm comes on top of the 0.5 m.
+    let fixed = replay.summary["bounds"].as_array().unwrap().iter().find(|one| one["bound"] == "gnss.fixed").unwrap();
+    assert_eq!((fixed["exceeded"].as_u64(), fixed["from_s"].as_f64()), (Some(1), Some(4.4)), "{fixed}");
+    let at_least_m = fixed["at_least"].as_f64().unwrap();
+    assert!((0.485..0.515).contains(&at_least_m), "{at_least_m}");
+}
+
+#[test]
 fn images_of_either_message_type_locate_the_robot_on_its_tiles() {
     let robot = robot("tiles.toml", &[]);
     for log in ["tiles_png", "tiles_rgb"] {
