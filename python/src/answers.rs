@@ -2,7 +2,7 @@
 
 use ::localizer::PoseUnion;
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
-use sim::subject::{Answer, ForeignAnswer};
+use sim::subject::{Answer, ForeignAnswer, newest_stamp};
 
 use crate::errors::AnswerError;
 
@@ -66,20 +66,10 @@ pub(crate) fn checked(answer: ForeignAnswer, time_s: f64) -> PyResult<Answer> {
         .map_err(|reason| AnswerError::new_err(format!("the step at {time_s:.2} s was answered with {reason}")))
 }
 
-/// Greatest time by which the stamp of a reading may be ahead of the step at which it is known. No clock of a scene is as far ahead, while a stamp in
-/// another count of time is.
-const MOST_AHEAD_S: f64 = 1.0;
-
 /// The stamp of the newest reading that an answer takes into account, if it is told.
 pub(crate) fn newest(newest_s: Option<f64>, time_s: f64) -> PyResult<Option<f64>> {
-    match newest_s {
-        Some(stamp_s) if !(stamp_s.is_finite() && stamp_s <= time_s + MOST_AHEAD_S) => {
-            let expected = "expected the stamp of a reading in seconds, not after the step";
-            let given = format!("the step at {time_s:.2} s was answered with the newest_s {stamp_s}");
-            Err(AnswerError::new_err(format!("{given}, {expected}")))
-        }
-        newest_s => Ok(newest_s),
-    }
+    newest_stamp(newest_s, time_s)
+        .map_err(|reason| AnswerError::new_err(format!("the step at {time_s:.2} s was answered with {reason}")))
 }
 
 /// The answer that a method `answer` of a localizer returns: a pair of mean and covariance, a mean alone, or a dict with the keys of an answer by JSON.

@@ -97,6 +97,20 @@ fn pose([x_m, y_m, heading_rad]: [f64; 3]) -> Pose {
     Pose { x_m, y_m, heading_rad }
 }
 
+/// Greatest time by which the stamp of a reading may be ahead of the answer that takes it into account. No clock of a scene is as far ahead, while a
+/// stamp in another count of time is.
+const MOST_AHEAD_S: f64 = 1.0;
+
+/// The stamp of the newest reading that an answer for `time_s` takes into account, if it is told. An error says what was given and what was expected.
+pub fn newest_stamp(newest_s: Option<f64>, time_s: f64) -> Result<Option<f64>, String> {
+    match newest_s {
+        Some(stamp_s) if !(stamp_s.is_finite() && stamp_s <= time_s + MOST_AHEAD_S) => Err(format!(
+            "the newest_s {stamp_s}, expected the stamp of a reading in seconds, not after the answer's own time"
+        )),
+        newest_s => Ok(newest_s),
+    }
+}
+
 /// Checks that a matrix can be a covariance: symmetric, and with no direction along which the variance is negative.
 fn checked(covariance: [[f64; 3]; 3]) -> Result<(), String> {
     let matrix = Matrix3::from_fn(|row, column| covariance[row][column]);

@@ -25,7 +25,7 @@ use crate::scene::Scene;
 pub use cues::{Compared, Cue, CueReader};
 pub use extended_kalman_filter::{ExtendedKalmanFilter, Tuning};
 pub use failure::{Failure, GivenReading};
-pub use foreign_answer::{ForeignAnswer, turned_to};
+pub use foreign_answer::{ForeignAnswer, newest_stamp, turned_to};
 pub use interval_localizer::IntervalLocalizer;
 pub use particle_filter::ParticleFilter;
 pub use process::{ForeignProcess, device, told};

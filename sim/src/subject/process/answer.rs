@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::subject::{Answer, foreign_answer::ForeignAnswer};
+use crate::subject::{Answer, ForeignAnswer, newest_stamp};
 
 /// Greatest difference between the time that an answer names and the time for which it was asked: far less than the millisecond by which times of the
 /// simulation differ, and more than any printing of decimals loses.
@@ -41,7 +41,7 @@ pub(super) fn read(line: &[u8], time_s: f64) -> Result<(Answer, Option<f64>), St
         let when = if line.time_s > time_s { "the future" } else { "the past" };
         return Err(format!("it answered for {when}: `time_s` is {}, expected {time_s} as asked", line.time_s));
     }
-    let newest_s = line.newest_s;
+    let newest_s = newest_stamp(line.newest_s, time_s).map_err(|reason| format!("it answered with {reason}"))?;
     let answer = match line {
         Line { mean: Some(mean), covariance: Some(covariance), samples: None, boxes: None, pose: None, .. } => {
             ForeignAnswer::Gaussian { mean, covariance }
@@ -136,6 +136,9 @@ mod tests {
         let newest_s = |rest: &str| read(format!("{{\"time_s\": 1.25, \"pose\": [1, 2, 3]{rest}}}").as_bytes(), 1.25);
         assert_eq!(newest_s(", \"newest_s\": 1.2").unwrap().1, Some(1.2));
         assert_eq!(newest_s("").unwrap().1, None);
+        // A stamp in milliseconds is none in seconds.
+        let refused = newest_s(", \"newest_s\": 1200.0").unwrap_err();
+        assert!(refused.contains("the newest_s 1200, expected the stamp of a reading in seconds"), "{refused}");
     }
 
     #[test]
