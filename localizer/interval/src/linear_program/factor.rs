@@ -23,13 +23,13 @@ pub(super) struct Factor {
 #[derive(Clone, Debug, Default)]
 struct Sparse {
     starts: Vec<usize>,
-    indices: Vec<usize>,
+    indices: Vec<u32>,
     values: Vec<f64>,
 }
 
 impl Sparse {
     /// Lists of the given indices, whose numbers are 0.
-    fn of(lists: &[Vec<usize>]) -> Sparse {
+    fn of(lists: &[Vec<u32>]) -> Sparse {
         let mut sparse = Sparse { starts: vec![0], ..Sparse::default() };
         for list in lists {
             sparse.indices.extend_from_slice(list);
@@ -46,14 +46,16 @@ impl Sparse {
 
 impl Factor {
     /// The structure of a matrix of `size` rows with non-zero numbers on the diagonal and between any two members of each group.
-    pub(super) fn new<'a>(size: usize, groups: impl Iterator<Item = &'a [usize]> + Clone) -> Factor {
+    pub(super) fn new<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]> + Clone) -> Factor {
         let order = minimum_degree(size, groups.clone());
         let mut place = vec![0; size];
         order.iter().enumerate().for_each(|(at, &row)| place[row] = at);
-        let mut columns: Vec<Vec<usize>> = (0..size).map(|at| vec![at]).collect();
+        let mut columns: Vec<Vec<u32>> = (0..size as u32).map(|at| vec![at]).collect();
         for group in groups {
             for &a in group {
-                columns[place[a]].extend(group.iter().map(|&b| place[b]).filter(|&b| b < place[a]));
+                let column = place[a as usize];
+                let above = group.iter().map(|&b| place[b as usize]).filter(|&b| b < column);
+                columns[column].extend(above.map(|row| row as u32));
             }
         }
         for column in &mut columns {
@@ -63,7 +65,7 @@ impl Factor {
         let row_columns = row_structure(&columns);
         let mut below = vec![Vec::new(); size];
         for (row, columns) in row_columns.iter().enumerate() {
-            columns.iter().for_each(|&column| below[column].push(row));
+            columns.iter().for_each(|&column| below[column as usize].push(row as u32));
         }
         Factor {
             place,
@@ -78,7 +80,7 @@ impl Factor {
     pub(super) fn position(&self, a: usize, b: usize) -> usize {
         let (row, column) = (self.place[a].min(self.place[b]), self.place[a].max(self.place[b]));
         let span = self.upper.span(column);
-        span.start + self.upper.indices[span].partition_point(|&other| other < row)
+        span.start + self.upper.indices[span].partition_point(|&other| (other as usize) < row)
     }
 
     /// The numbers of M, to be set before [`Factor::factorise`].
@@ -94,16 +96,16 @@ impl Factor {
         for k in 0..size {
             let mut largest = 0.0;
             for at in self.upper.span(k) {
-                row[self.upper.indices[at]] = self.upper.values[at];
+                row[self.upper.indices[at] as usize] = self.upper.values[at];
                 largest = self.upper.values[at];
             }
             let mut pivot = std::mem::take(&mut row[k]);
             for at in self.row_columns.span(k) {
-                let column = self.row_columns.indices[at];
+                let column = self.row_columns.indices[at] as usize;
                 let value = std::mem::take(&mut row[column]);
                 let (from, to) = (self.lower.starts[column], ends[column]);
                 for (&other, &factor) in self.lower.indices[from..to].iter().zip(&self.lower.values[from..to]) {
-                    row[other] -= factor * value;
+                    row[other as usize] -= factor * value;
                 }
                 let factor = value / self.diagonal[column];
                 pivot -= factor * value;
@@ -121,14 +123,16 @@ impl Factor {
         self.place.iter().zip(b.iter()).for_each(|(&at, &value)| x[at] = value);
         for column in 0..size {
             let value = x[column];
-            for at in self.lower.span(column) {
-                x[self.lower.indices[at]] -= self.lower.values[at] * value;
+            let span = self.lower.span(column);
+            for (&row, number) in self.lower.indices[span.clone()].iter().zip(&self.lower.values[span]) {
+                x[row as usize] -= number * value;
             }
         }
         for column in (0..size).rev() {
             let mut value = x[column] / self.diagonal[column];
-            for at in self.lower.span(column) {
-                value -= self.lower.values[at] * x[self.lower.indices[at]];
+            let span = self.lower.span(column);
+            for (&row, number) in self.lower.indices[span.clone()].iter().zip(&self.lower.values[span]) {
+                value -= number * x[row as usize];
             }
             x[column] = value;
         }
@@ -138,12 +142,12 @@ impl Factor {
 
 /// An order of the rows in which each has the fewest neighbours among those after it, once the neighbours of the rows before have become neighbours
 /// of each other; the first row where several have equally many.
-fn minimum_degree<'a>(size: usize, groups: impl Iterator<Item = &'a [usize]>) -> Vec<usize> {
+fn minimum_degree<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]>) -> Vec<usize> {
     let n_words = size.div_ceil(64);
     let mut neighbours = vec![vec![0u64; n_words]; size];
     for group in groups {
         for &a in group {
-            group.iter().for_each(|&b| neighbours[a][b / 64] |= 1 << (b % 64));
+            group.iter().for_each(|&b| neighbours[a as usize][b as usize / 64] |= 1 << (b % 64));
         }
     }
     for (row, set) in neighbours.iter_mut().enumerate() {
@@ -171,7 +175,7 @@ fn degree(set: &[u64]) -> u32 {
 
 /// The columns of the numbers in each row of L, in ascending order, by the elimination tree: where row k has a number in column i, it has one in the
 /// column of i's first number below the diagonal, too.
-fn row_structure(columns: &[Vec<usize>]) -> Vec<Vec<usize>> {
+fn row_structure(columns: &[Vec<u32>]) -> Vec<Vec<u32>> {
     let mut parent = vec![usize::MAX; columns.len()];
     let mut seen_by = vec![usize::MAX; columns.len()];
     let mut rows = Vec::with_capacity(columns.len());
@@ -179,10 +183,10 @@ fn row_structure(columns: &[Vec<usize>]) -> Vec<Vec<usize>> {
         let mut row = Vec::new();
         seen_by[k] = k;
         for &from in column {
-            let mut at = from;
+            let mut at = from as usize;
             while seen_by[at] != k {
                 seen_by[at] = k;
-                row.push(at);
+                row.push(at as u32);
                 if parent[at] == usize::MAX {
                     parent[at] = k;
                 }
@@ -203,14 +207,14 @@ mod tests {
     fn a_product_is_undone() {
         // A chain of seven unknowns with a border that all share, as a pose graph with one constant has.
         let size = 8;
-        let groups: Vec<Vec<usize>> = (0..6).map(|at| vec![at, at + 1, 7]).collect();
+        let groups: Vec<Vec<u32>> = (0..6).map(|at| vec![at, at + 1, 7]).collect();
         let mut factor = Factor::new(size, groups.iter().map(Vec::as_slice));
         let mut dense = vec![vec![0.0; size]; size];
         for (idx, group) in groups.iter().enumerate() {
             let weights = [1.0, -2.0 - idx as f64, 0.5];
             for (&a, wa) in group.iter().zip(weights) {
                 for (&b, wb) in group.iter().zip(weights) {
-                    dense[a][b] += wa * wb;
+                    dense[a as usize][b as usize] += wa * wb;
                 }
             }
         }
@@ -231,7 +235,7 @@ mod tests {
     #[test]
     fn a_border_is_eliminated_last() {
         // A star: one unknown that all others share. Eliminated first, it would make all others neighbours.
-        let groups: Vec<[usize; 2]> = (1..9).map(|leaf| [0, leaf]).collect();
+        let groups: Vec<[u32; 2]> = (1..9).map(|leaf| [0, leaf]).collect();
         let factor = Factor::new(9, groups.iter().map(|group| group.as_slice()));
         assert!(factor.place[0] >= 7 && factor.lower.indices.len() == 8, "{factor:?}");
     }

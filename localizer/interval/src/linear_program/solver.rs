@@ -13,6 +13,8 @@
 //! Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIAM Journal on Optimization 2 (1992); S. J. Wright,
 //! "Primal-Dual Interior-Point Methods", SIAM 1997, chapter 10.
 
+use std::ops::Range;
+
 use super::{
     factor::Factor,
     program::{LinearProgram, Terms},
@@ -32,8 +34,7 @@ const LEAST_HALF: f64 = 1e-9;
 pub struct Solver {
     /// Middle and half width of each variable.
     scales: Vec<[f64; 2]>,
-    /// Rows that are not satisfied everywhere in the box, scaled.
-    rows: Vec<ScaledRow>,
+    rows: Rows,
     n_rows: usize,
     factor: Factor,
     /// Places of the diagonal in the factor's matrix.
@@ -41,17 +42,28 @@ pub struct Solver {
     most_steps: usize,
 }
 
-#[derive(Clone, Debug)]
-struct ScaledRow {
-    row: usize,
-    variables: Vec<usize>,
+/// Rows that are not satisfied everywhere in the box, scaled. Their terms stand one after the other, as every step of the solver reads all of them
+/// several times.
+#[derive(Clone, Debug, Default)]
+struct Rows {
+    heads: Vec<Head>,
+    /// Variable and coefficient of each term of each row.
+    variables: Vec<u32>,
     coefficients: Vec<f64>,
+    /// For each row and each pair of its terms, the second not after the first: the place in the factor's matrix.
+    positions: Vec<u32>,
+}
+
+/// What there is of a row besides its terms.
+#[derive(Clone, Debug)]
+struct Head {
+    row: usize,
     lo: f64,
     hi: f64,
     /// By what the row was divided.
     divisor: f64,
-    /// For each pair of members, the second not after the first: the place in the factor's matrix.
-    positions: Vec<usize>,
+    /// Which of all terms are the row's.
+    terms: Range<usize>,
 }
 
 impl Solver {
@@ -59,17 +71,13 @@ impl Solver {
     pub fn new(program: &LinearProgram) -> Solver {
         let scales: Vec<[f64; 2]> =
             program.variables().iter().map(|values| [values.mid(), 0.5 * values.width()]).collect();
-        let mut rows: Vec<ScaledRow> =
-            (0..program.n_rows()).filter_map(|row| ScaledRow::new(program, row, &scales)).collect();
-        let factor = Factor::new(scales.len(), rows.iter().map(|row| row.variables.as_slice()));
-        for row in &mut rows {
-            let members = &row.variables;
-            row.positions = members
-                .iter()
-                .enumerate()
-                .flat_map(|(at, &a)| members[..=at].iter().map(move |&b| (a, b)))
-                .map(|(a, b)| factor.position(a, b))
-                .collect();
+        let mut rows = Rows::default();
+        (0..program.n_rows()).for_each(|row| rows.add(program, row, &scales));
+        let factor = Factor::new(scales.len(), rows.heads.iter().map(|head| &rows.variables[head.terms.clone()]));
+        for head in &rows.heads {
+            let members = &rows.variables[head.terms.clone()];
+            let pairs = members.iter().enumerate().flat_map(|(at, &a)| members[..=at].iter().map(move |&b| (a, b)));
+            rows.positions.extend(pairs.map(|(a, b)| factor.position(a as usize, b as usize) as u32));
         }
         let diagonal = (0..scales.len()).map(|at| factor.position(at, at)).collect();
         Solver { scales, rows, n_rows: program.n_rows(), factor, diagonal, most_steps: MOST_STEPS }
@@ -117,8 +125,8 @@ impl Solver {
     /// The duals with the best bound so far, one for each row.
     pub fn duals(&self, search: &Search) -> Vec<f64> {
         let mut duals = vec![0.0; self.n_rows];
-        let best = self.rows.iter().zip(&search.state.best.1);
-        best.for_each(|(row, dual)| duals[row.row] = dual * search.unit / row.divisor);
+        let best = self.rows.heads.iter().zip(&search.state.best.1);
+        best.for_each(|(head, dual)| duals[head.row] = dual * search.unit / head.divisor);
         duals
     }
 
@@ -140,19 +148,19 @@ pub struct Search {
     is_done: bool,
 }
 
-impl ScaledRow {
-    /// The row in scaled variables; `None` for one that every point of the box satisfies.
-    fn new(program: &LinearProgram, row: usize, scales: &[[f64; 2]]) -> Option<ScaledRow> {
-        let (mut variables, mut coefficients) = (Vec::<usize>::new(), Vec::<f64>::new());
+impl Rows {
+    /// Adds a row of the program in scaled variables, unless every point of the box satisfies it.
+    fn add(&mut self, program: &LinearProgram, row: usize, scales: &[[f64; 2]]) {
+        let (mut variables, mut coefficients) = (Vec::<u32>::new(), Vec::<f64>::new());
         let mut at_middle = 0.0;
         for &(variable, coefficient) in program.terms(row) {
             let [middle, half] = scales[variable];
             at_middle += coefficient * middle;
             let scaled = coefficient * half;
-            match variables.iter().position(|&other| other == variable) {
+            match variables.iter().position(|&other| other as usize == variable) {
                 Some(at) => coefficients[at] += scaled,
                 None if scaled != 0.0 => {
-                    variables.push(variable);
+                    variables.push(variable as u32);
                     coefficients.push(scaled);
                 }
                 None => {}
@@ -160,13 +168,13 @@ impl ScaledRow {
         }
         let divisor = coefficients.iter().fold(0.0, |largest: f64, one| largest.max(one.abs()));
         if divisor == 0.0 {
-            return None;
+            return;
         }
         coefficients.iter_mut().for_each(|one| *one /= divisor);
         let most: f64 = coefficients.iter().map(|one| one.abs()).sum();
         let [lo, hi] = [program.sides(row).lo(), program.sides(row).hi()].map(|side| (side - at_middle) / divisor);
         if lo <= -most && hi >= most {
-            return None;
+            return;
         }
         let (mut lo, mut hi) = (lo.max(-most - 1.0), hi.min(most + 1.0));
         if hi - lo < 2.0 * LEAST_HALF {
@@ -174,17 +182,23 @@ impl ScaledRow {
             let middle = if lo > most || hi < -most { if lo > most { lo } else { hi } } else { 0.5 * (lo + hi) };
             (lo, hi) = (middle - LEAST_HALF, middle + LEAST_HALF);
         }
-        Some(ScaledRow { row, variables, coefficients, lo, hi, divisor, positions: Vec::new() })
+        let first = self.variables.len();
+        self.variables.append(&mut variables);
+        self.coefficients.append(&mut coefficients);
+        self.heads.push(Head { row, lo, hi, divisor, terms: first..self.variables.len() });
     }
 
-    fn value(&self, x: &[f64]) -> f64 {
-        self.variables.iter().zip(&self.coefficients).map(|(&variable, coefficient)| coefficient * x[variable]).sum()
+    /// Value of a row at a point.
+    fn value(&self, head: &Head, x: &[f64]) -> f64 {
+        let (variables, coefficients) = (&self.variables[head.terms.clone()], &self.coefficients[head.terms.clone()]);
+        variables.iter().zip(coefficients).map(|(&variable, coefficient)| coefficient * x[variable as usize]).sum()
     }
 
-    /// Adds a multiple of the row to a vector of the variables' length.
-    fn add_to(&self, vector: &mut [f64], times: f64) {
-        for (&variable, coefficient) in self.variables.iter().zip(&self.coefficients) {
-            vector[variable] += coefficient * times;
+    /// Adds a multiple of a row to a vector of the variables' length.
+    fn add_to(&self, head: &Head, vector: &mut [f64], times: f64) {
+        let (variables, coefficients) = (&self.variables[head.terms.clone()], &self.coefficients[head.terms.clone()]);
+        for (&variable, coefficient) in variables.iter().zip(coefficients) {
+            vector[variable as usize] += coefficient * times;
         }
     }
 }
@@ -272,6 +286,14 @@ struct State {
     best: (f64, Vec<f64>),
 }
 
+/// What both Newton steps of an iterate have in common, for each row.
+struct Present {
+    /// Stiffness of the row's slack.
+    stiffnesses: Vec<f64>,
+    /// By what the slack exceeds the row's value.
+    lacks: Vec<f64>,
+}
+
 /// A Newton step.
 struct Step {
     x: Vec<Move>,
@@ -283,11 +305,11 @@ impl State {
     /// The middle of all boxes.
     fn new(solver: &Solver, cost: Vec<f64>) -> State {
         let x = vec![Bounded { value: 0.0, lo: -1.0, hi: 1.0, multipliers: [1.0; 2] }; cost.len()];
-        let s = solver.rows.iter().map(|row| {
-            let middle = 0.5 * (row.lo + row.hi);
-            Bounded { value: middle, lo: row.lo, hi: row.hi, multipliers: [1.0; 2] }
+        let s = solver.rows.heads.iter().map(|head| {
+            let middle = 0.5 * (head.lo + head.hi);
+            Bounded { value: middle, lo: head.lo, hi: head.hi, multipliers: [1.0; 2] }
         });
-        let n_rows = solver.rows.len();
+        let n_rows = solver.rows.heads.len();
         let best = (f64::NEG_INFINITY, vec![0.0; n_rows]);
         State { cost, x, s: s.collect(), y: vec![0.0; n_rows], best }
     }
@@ -296,9 +318,9 @@ impl State {
     fn is_done(&mut self, solver: &Solver) -> bool {
         let mut reduced = self.cost.clone();
         let mut bound = 0.0;
-        for (row, &dual) in solver.rows.iter().zip(&self.y) {
-            row.add_to(&mut reduced, -dual);
-            bound += dual * if dual > 0.0 { row.lo } else { row.hi };
+        for (head, &dual) in solver.rows.heads.iter().zip(&self.y) {
+            solver.rows.add_to(head, &mut reduced, -dual);
+            bound += dual * if dual > 0.0 { head.lo } else { head.hi };
         }
         bound -= reduced.iter().map(|one| one.abs()).sum::<f64>();
         if bound > self.best.0 {
@@ -313,7 +335,8 @@ impl State {
     /// Greatest difference between a slack and its row's value.
     fn residual(&self, solver: &Solver) -> f64 {
         let x: Vec<f64> = self.x.iter().map(|x| x.value).collect();
-        let differences = solver.rows.iter().zip(&self.s).map(|(row, s)| (row.value(&x) - s.value).abs());
+        let rows = &solver.rows;
+        let differences = rows.heads.iter().zip(&self.s).map(|(head, s)| (rows.value(head, &x) - s.value).abs());
         differences.fold(0.0, f64::max)
     }
 
@@ -332,11 +355,12 @@ impl State {
             y: vec![0.0; self.y.len()],
         };
         let product = self.mean_product(&rest, [0.0; 2]);
-        self.factorise(solver);
-        let predictor = self.newton(solver, 0.0, &rest);
+        let present = self.present(solver);
+        self.factorise(solver, &present);
+        let predictor = self.newton(solver, &present, 0.0, &rest);
         let parts = self.longest(&predictor).map(|part| part.min(1.0));
         let centring = (self.mean_product(&predictor, parts) / product).powi(3);
-        let step = self.newton(solver, centring * product, &predictor);
+        let step = self.newton(solver, &present, centring * product, &predictor);
         let parts = self.longest(&step).map(|part| (SHARE * part).min(1.0));
         if !parts.iter().all(|part| *part > 1e-12) || !product.is_finite() {
             return false;
@@ -347,19 +371,28 @@ impl State {
         true
     }
 
+    fn present(&self, solver: &Solver) -> Present {
+        let values: Vec<f64> = self.x.iter().map(|x| x.value).collect();
+        let rows = &solver.rows;
+        Present {
+            stiffnesses: self.s.iter().map(Bounded::stiffness).collect(),
+            lacks: self.s.iter().zip(&rows.heads).map(|(s, head)| s.value - rows.value(head, &values)).collect(),
+        }
+    }
+
     /// Computes Dx + AᵀDsA and its factors.
-    fn factorise(&self, solver: &mut Solver) {
+    fn factorise(&self, solver: &mut Solver, present: &Present) {
         let numbers = solver.factor.numbers();
         numbers.fill(0.0);
         for (&at, x) in solver.diagonal.iter().zip(&self.x) {
             numbers[at] += x.stiffness();
         }
-        for (row, s) in solver.rows.iter().zip(&self.s) {
-            let stiffness = s.stiffness();
-            let mut positions = row.positions.iter();
-            for (at, a) in row.coefficients.iter().enumerate() {
-                for (b, &position) in row.coefficients[..=at].iter().zip(&mut positions) {
-                    numbers[position] += stiffness * a * b;
+        let mut positions = solver.rows.positions.iter();
+        for (head, stiffness) in solver.rows.heads.iter().zip(&present.stiffnesses) {
+            let coefficients = &solver.rows.coefficients[head.terms.clone()];
+            for (at, a) in coefficients.iter().enumerate() {
+                for (b, &position) in coefficients[..=at].iter().zip(&mut positions) {
+                    numbers[position as usize] += stiffness * a * b;
                 }
             }
         }
@@ -367,12 +400,9 @@ impl State {
     }
 
     /// The step towards products `target`, with the second order of a predictor's step.
-    fn newton(&self, solver: &Solver, target: f64, predictor: &Step) -> Step {
-        let values: Vec<f64> = self.x.iter().map(|x| x.value).collect();
+    fn newton(&self, solver: &Solver, present: &Present, target: f64, predictor: &Step) -> Step {
         let wanted_x: Vec<[f64; 2]> =
             self.x.iter().zip(&predictor.x).map(|(x, before)| x.wanted(target, before)).collect();
-        let wanted_s: Vec<[f64; 2]> =
-            self.s.iter().zip(&predictor.s).map(|(s, before)| s.wanted(target, before)).collect();
         // Forces on x: those of its bounds, less the residual of the dual equation c − Aᵀy − z_lower + z_upper = 0.
         let mut move_x: Vec<f64> = (0..self.x.len())
             .map(|at| {
@@ -380,23 +410,21 @@ impl State {
                 x.force(wanted_x[at]) - self.cost[at] + x.multipliers[0] - x.multipliers[1]
             })
             .collect();
-        let mut lacks = Vec::with_capacity(self.s.len());
-        let mut forces = Vec::with_capacity(self.s.len());
-        for (at, row) in solver.rows.iter().enumerate() {
-            let s = &self.s[at];
-            let lack = s.value - row.value(&values);
-            let force = s.force(wanted_s[at]) - self.y[at] + s.multipliers[0] - s.multipliers[1];
-            row.add_to(&mut move_x, self.y[at] + force + s.stiffness() * lack);
-            lacks.push(lack);
+        let n_rows = self.s.len();
+        let mut forces = Vec::with_capacity(n_rows);
+        let rows = &solver.rows;
+        let heads = || rows.heads.iter().zip(&self.s).zip(present.stiffnesses.iter().zip(&present.lacks));
+        for (((head, s), (stiffness, lack)), (before, y)) in heads().zip(predictor.s.iter().zip(&self.y)) {
+            let force = s.force(s.wanted(target, before)) - y + s.multipliers[0] - s.multipliers[1];
+            rows.add_to(head, &mut move_x, y + force + stiffness * lack);
             forces.push(force);
         }
         solver.factor.solve(&mut move_x);
-        let mut step = Step { x: Vec::new(), s: Vec::with_capacity(lacks.len()), y: Vec::with_capacity(lacks.len()) };
-        for (at, row) in solver.rows.iter().enumerate() {
-            let s = &self.s[at];
-            let moved = row.value(&move_x) - lacks[at];
-            step.y.push(forces[at] - s.stiffness() * moved);
-            step.s.push(s.moved(moved, wanted_s[at]));
+        let mut step = Step { x: Vec::new(), s: Vec::with_capacity(n_rows), y: Vec::with_capacity(n_rows) };
+        for (((head, s), (stiffness, lack)), (before, force)) in heads().zip(predictor.s.iter().zip(&forces)) {
+            let moved = rows.value(head, &move_x) - lack;
+            step.y.push(force - stiffness * moved);
+            step.s.push(s.moved(moved, s.wanted(target, before)));
         }
         step.x =
             self.x.iter().zip(&wanted_x).zip(&move_x).map(|((x, &wanted), &value)| x.moved(value, wanted)).collect();
