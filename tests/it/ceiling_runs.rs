@@ -58,7 +58,7 @@ fn a_drive_under_markers_keeps_the_truth_and_says_only_what_is_so() {
 
 #[test]
 fn overexposed_dots_are_claimed_truly_with_every_error_at_a_corner() {
-    // Most dots of this scene are clipped at white, by a factor of up to four.
+    // By the fixed exposure of this scene most of its dots are clipped at white.
     let mut scene = scene("");
     scene.robot.errors = Distribution::Corner;
     for seed in 0..6 {

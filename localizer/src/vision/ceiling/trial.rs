@@ -294,6 +294,23 @@ mod tests {
         assert!(tally.dots > 500, "{} dots", tally.dots);
     }
 
+    #[test]
+    fn markers_whose_dots_are_too_small_to_tell_their_light_apart_are_not_read() {
+        let mut random = Random::new(seed(109));
+        for _ in 0..40 {
+            let mut eye = random_eye(2.0, 0.005, &mut random);
+            // Dots have radii from 1.3 to 1.45 px, where 1.5 px are the least.
+            eye.focal_px = [random.between(1.3, 1.45) * 200.0; 2];
+            let id = Coding::Hexads.identities()[0];
+            let pasted = Pasted::new(id, [eye.place_m.x, eye.place_m.y], 0.3, 3.0);
+            let ceiling = Ceiling { sigma_px: 0.3, ..Ceiling::new(vec![pasted]) };
+            let view = CeilingView::new(eye.focal_px[0], [1.98, 2.02], 0.005, ceiling.electrons / 128.0);
+            let picture = ceiling.picture(&eye, &mut random);
+            let found = detect(&picture, &view, &Coding::Hexads.table(), &PictureMotion::default());
+            assert!(found.markers.is_empty(), "{:?}", found.markers);
+        }
+    }
+
     /// Makes and reads an image of one marker in the middle, damaged by `spoil`. Returns the marker's true identity and the one that was read. Panics
     /// if a dot is reported farther from its true position than its bound, unless the marker is mirrored.
     fn read_spoilt(random: &mut Random, spoil: impl FnOnce(&mut Pasted, &mut Random)) -> (MarkerId, Option<MarkerId>) {
