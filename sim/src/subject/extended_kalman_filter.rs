@@ -72,7 +72,7 @@ impl ExtendedKalmanFilter {
     pub fn of(scene: &Scene, tuning: Tuning, name: String) -> ExtendedKalmanFilter {
         let (map, robot) = (scene.map(), scene.robot_model());
         let cues = Cues::new(scene, &map, &robot);
-        let layout = Layout::new(&robot, &cues);
+        let layout = Layout::new(&robot, &cues, &tuning);
         let belief = Belief::start(&layout, &scene.start_box());
         ExtendedKalmanFilter {
             cues,

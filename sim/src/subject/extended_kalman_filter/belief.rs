@@ -15,7 +15,7 @@ use crate::subject::{
 use super::{
     Tuning,
     layout::{Layout, POSE},
-    moved::{Moved, slip_m},
+    moved::Moved,
 };
 
 /// Mean and covariance of pose, constants and landmarks.
@@ -43,6 +43,10 @@ struct Window {
     rolled_m: [f64; 2],
     path_m: [f64; 2],
 }
+
+/// Way in metres over which slip, and the error of the flow sensor that the floor's surface makes, last: after it, 1/e of what was known of them is
+/// left. A robot crosses doorways, carpets' edges and turns about once in a metre.
+const LASTS_M: f64 = 1.0;
 
 /// Share of right measurements that pass the gate.
 const GATE: f64 = 0.99;
@@ -109,11 +113,23 @@ impl Belief {
         if let (Some([bias, _]), Some(gyro)) = (layout.gyro, robot.gyro) {
             self.covariance[(bias, bias)] += (SIGMAS_OF_BOUND * gyro.bias_wander_rad_per_s2).powi(2) * step.span_s;
         }
+        self.change(layout, 0.5 * (step.rolled_m[0].abs() + step.rolled_m[1].abs()));
         self.stamp_s = step.stamp_s;
         self.window.add(step, robot);
         if self.window.span_s >= robot.wheels.slip_window_s {
             self.compare_wheels(layout, robot, tuning);
             self.remember(layout);
+        }
+    }
+
+    /// Lets the errors that last for a while forget themselves as the robot goes `path_m` on: each is a first-order Gauss–Markov process.
+    pub(super) fn change(&mut self, layout: &Layout, path_m: f64) {
+        let kept = (-path_m / LASTS_M).exp();
+        for (place, sigma) in &layout.changing {
+            self.mean[*place] *= kept;
+            self.covariance.row_mut(*place).scale_mut(kept);
+            self.covariance.column_mut(*place).scale_mut(kept);
+            self.covariance[(*place, *place)] += sigma.powi(2) * (1.0 - kept.powi(2));
         }
     }
 
@@ -123,7 +139,7 @@ impl Belief {
         let Some(past) = layout.past else { return };
         let (window, wheels) = (&self.window, &robot.wheels);
         let track_m = wheels.track_m.mid();
-        let [left, right, track] = layout.wheels;
+        let ([left, right, track], [left_slip, right_slip, side_slip]) = (layout.wheels, layout.slip);
         let [x_m, y_m, from_rad] = [0, 1, 2].map(|axis| self.mean[past + axis]);
         let (sin, cos) = from_rad.sin_cos();
         let (dx, dy) = (self.mean[0] - x_m, self.mean[1] - y_m);
@@ -132,21 +148,23 @@ impl Belief {
         // The wheels' way with the radii and the track as the state has them, to first order.
         let by_left = [0.5 * rolled_left_m, 0.0, -rolled_left_m / track_m];
         let by_right = [0.5 * rolled_right_m, 0.0, rolled_right_m / track_m];
-        let by_track = [0.0, 0.0, -window.way[2]];
-        let told = [0, 1, 2].map(|axis| {
-            window.way[axis]
-                + by_left[axis] * self.mean[left]
-                + by_right[axis] * self.mean[right]
-                + by_track[axis] * self.mean[track]
-        });
-        let slip_m2: f64 =
-            (0..2).map(|wheel| (tuning.motion * SIGMAS_OF_BOUND * slip_m(wheels, window.path_m[wheel])).powi(2)).sum();
         let path_m = 0.5 * (window.path_m[0] + window.path_m[1]);
-        let side_m = wheels.side_slip_ratio * path_m + wheels.side_slip_floor_m;
+        let constants = [
+            (left, by_left),
+            (left_slip, by_left),
+            (right, by_right),
+            (right_slip, by_right),
+            (track, [0.0, 0.0, -window.way[2]]),
+            (side_slip, [0.0, path_m, 0.0]),
+        ];
+        let told = [0, 1, 2].map(|axis| {
+            window.way[axis] + constants.iter().map(|(place, by)| by[axis] * self.mean[*place]).sum::<f64>()
+        });
+        let floor_m2 = |floor_m: f64| (tuning.motion * SIGMAS_OF_BOUND * floor_m).powi(2);
         let tick_m = wheels.metres_per_tick(0).mid();
-        let wheel_m2 = slip_m2 + 2.0 * (SIGMAS_OF_BOUND * tick_m).powi(2);
+        let wheel_m2 = 2.0 * (floor_m2(wheels.slip_floor_m) + (SIGMAS_OF_BOUND * tick_m).powi(2));
         let turn_rad2 = wheel_m2 / track_m.powi(2);
-        let side_m2 = (tuning.motion * SIGMAS_OF_BOUND * side_m).powi(2) + (0.5 * path_m).powi(2) * turn_rad2;
+        let side_m2 = floor_m2(wheels.side_slip_floor_m) + (0.5 * path_m).powi(2) * turn_rad2;
         let variances = [0.25 * wheel_m2, side_m2, turn_rad2];
         let mut rows: [Row; 3] = [
             vec![(0, cos), (1, sin), (past, -cos), (past + 1, -sin), (past + 2, way[1])],
@@ -154,7 +172,7 @@ impl Belief {
             vec![(2, 1.0), (past + 2, -1.0)],
         ];
         for axis in 0..3 {
-            rows[axis].extend([(left, -by_left[axis]), (right, -by_right[axis]), (track, -by_track[axis])]);
+            rows[axis].extend(constants.iter().map(|(place, by)| (*place, -by[axis])));
         }
         let axes: Vec<usize> =
             (0..3).filter(|axis| if *axis == 2 { layout.gyro.is_some() } else { layout.flow.is_some() }).collect();

@@ -5,15 +5,21 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::subject::cues::{Cues, Mounted, SIGMAS_OF_BOUND};
 
+use super::Tuning;
+
 /// Places of the quantities in the state; `None` for those of devices that the robot does not have.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     /// Bias of the gyroscope in rad/s, and the share by which its scale is off.
     pub(crate) gyro: Option<[usize; 2]>,
-    /// Share by which the flow sensor's counts per metre are off, and the angle by which it is turned.
-    pub(crate) flow: Option<[usize; 2]>,
+    /// Shares by which the flow sensor's counts per metre are off for good and on the present surface, and the angle by which it is turned.
+    pub(crate) flow: Option<[usize; 3]>,
     /// Shares by which the radii of the left and the right wheel and the track are off.
     pub(crate) wheels: [usize; 3],
+    /// Shares of their way by which the left and the right wheel slip at present, and share of the robot's way by which it slips to its left.
+    pub(crate) slip: [usize; 3],
+    /// The quantities that change as the robot goes, each with its standard deviation.
+    pub(crate) changing: Vec<(usize, f64)>,
     /// Errors of the mounts that last: forward, left, turn.
     mounts: [Option<usize>; Mounted::ALL.len()],
     /// Pose at the beginning of the present window of motion, where several sensors measure the motion.
@@ -31,7 +37,7 @@ pub(crate) const POSE: usize = 0;
 const LEAST_SIGMA: f64 = 1e-5;
 
 impl Layout {
-    pub(crate) fn new(robot: &RobotModel, cues: &Cues) -> Layout {
+    pub(crate) fn new(robot: &RobotModel, cues: &Cues, tuning: &Tuning) -> Layout {
         let (mut sigma, mut mean) = (vec![0.0; 3], vec![0.0; 3]);
         let mut add = |quantities: &[(f64, f64)]| {
             let at = sigma.len();
@@ -48,18 +54,26 @@ impl Layout {
         });
         let flow = robot.flow.map(|flow| {
             let per_count = flow.metres_per_count;
-            let at = add(&[(0.0, 0.5 * per_count.width() / per_count.mid()), (0.0, 0.5 * flow.yaw_rad.width())]);
-            [at, at + 1]
+            let calibration = 0.5 * per_count.width() / per_count.mid();
+            let yaw_rad = 0.5 * flow.yaw_rad.width();
+            let at = add(&[(0.0, calibration), (0.0, tuning.motion * flow.scale_change), (0.0, yaw_rad)]);
+            [at, at + 1, at + 2]
         });
         let wheels = &robot.wheels;
         let share = |of: interval::Interval| (0.0, 0.5 * of.width() / of.mid());
         let at = add(&[share(wheels.radius_m[0]), share(wheels.radius_m[1]), share(wheels.track_m)]);
+        let wheels_at = [at, at + 1, at + 2];
+        let ratios = [wheels.slip_ratio, wheels.slip_ratio, wheels.side_slip_ratio];
+        let at = add(&ratios.map(|ratio| (0.0, tuning.motion * ratio)));
+        let slip = [at, at + 1, at + 2];
         let mounts = Mounted::ALL.map(|mounted| {
             let mount = cues.mount(mounted)?;
             Some(add(&mount.sigma.map(|sigma| (0.0, sigma / SIGMAS_OF_BOUND))))
         });
         let past = (gyro.is_some() || flow.is_some()).then(|| add(&[(0.0, 0.0); 3]));
-        Layout { gyro, flow, wheels: [at, at + 1, at + 2], mounts, past, sigma, mean }
+        let changing =
+            flow.iter().map(|[_, change, _]| *change).chain(slip).map(|place| (place, sigma[place])).collect();
+        Layout { gyro, flow, wheels: wheels_at, slip, changing, mounts, past, sigma, mean }
     }
 
     /// Place of the mount's errors of a device.

@@ -77,6 +77,62 @@ fn a_measurement_beyond_the_99_percent_quantile_is_left_out() {
 }
 
 #[test]
+fn an_error_that_lasts_is_forgotten_over_a_metre_while_its_variance_stays() {
+    let filter = filter(&yard());
+    let mut belief = filter.belief.clone();
+    let [slip, ..] = filter.layout.slip;
+    let variance = belief.covariance[(slip, slip)];
+    // Known exactly, and related to x as closely as can be.
+    let x_m2 = belief.covariance[(0, 0)];
+    belief.mean[slip] = 0.01;
+    belief.covariance[(slip, slip)] = 0.0;
+    belief.covariance[(0, slip)] = 1e-4;
+    belief.covariance[(slip, 0)] = 1e-4;
+    (0..10).for_each(|_| belief.change(&filter.layout, 0.1));
+    assert!((belief.mean[slip] - 0.01 / std::f64::consts::E).abs() < 1e-15, "{}", belief.mean[slip]);
+    assert!((belief.covariance[(slip, slip)] - variance * (1.0 - (-2.0_f64).exp())).abs() < 1e-12 * variance);
+    assert!((belief.covariance[(0, slip)] - 1e-4 / std::f64::consts::E).abs() < 1e-17);
+    assert_eq!((belief.covariance[(0, slip)], belief.covariance[(0, 0)]), (belief.covariance[(slip, 0)], x_m2));
+    belief.change(&filter.layout, 100.0);
+    assert!((belief.covariance[(slip, slip)] - variance).abs() < 1e-12 * variance && belief.mean[slip].abs() < 1e-15);
+}
+
+#[test]
+fn wheels_that_turn_further_than_the_floor_goes_by_are_explained_by_all_that_can_make_it_so() {
+    let text = "duration_s = 5.0\n[room]\nwidth_m = 6.0\ndepth_m = 6.0\n[start]\nx_m = 1.0\ny_m = 3.0\n[robot]\nfloor_camera = false\n\
+                gyro = true\nflow = true\n[localizer]\nmethods = []\n[[route.waypoint]]\nx_m = 3.0\ny_m = 3.0\n";
+    let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let mut filter = filter(&scene);
+    let per_tick_m = scene.robot_model().wheels.metres_per_tick(0).mid();
+    let per_count_m = scene.robot_model().flow.unwrap().metres_per_count.mid();
+    // Four metres straight ahead by the flow sensor; the wheels turn 0.4 % further.
+    for step in 0..=1000 {
+        let (time_s, way_m) = (0.01 * f64::from(step), 0.004 * f64::from(step));
+        filter.observe(&Reading::Gyro { measured_s: time_s, arrived_s: time_s, rate_rad_per_s: 0.0 });
+        let counts = [(way_m / per_count_m) as i64, 0];
+        filter.observe(&Reading::Flow { measured_s: time_s, arrived_s: time_s, counts, blind_periods: 0 });
+        let ticks = [(1.004 * way_m / per_tick_m) as i64; 2];
+        filter.observe(&Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks });
+    }
+    let (layout, belief) = (&filter.layout, &filter.belief);
+    let ([left, right, _], [left_slip, right_slip, _]) = (layout.wheels, layout.slip);
+    let [scale, change, _] = layout.flow.unwrap();
+    let share = |places: &[usize]| places.iter().map(|place| belief.mean[*place]).sum::<f64>();
+    let by_wheels = 1.004 * (1.0 + 0.5 * share(&[left, right, left_slip, right_slip]));
+    let by_flow = 1.0 + share(&[scale, change]);
+    // What is left of the 0.4 % is put down to the windows' own noise: ticks, and the floor of the slip's bound.
+    assert!((by_wheels - by_flow).abs() < 1e-3, "{by_wheels} by the wheels, {by_flow} by the flow sensor");
+    // Each of the errors that are possible has its share, the constant ones and those of the moment.
+    for (place, turns_further) in [(left, true), (left_slip, true), (right_slip, true), (scale, false), (change, false)]
+    {
+        let more = belief.mean[place] * if turns_further { -1.0 } else { 1.0 };
+        assert!(more > 1e-5, "{more} at {place}: {}", belief.mean);
+    }
+    let went_m = belief.mean[0] - 1.0;
+    assert!((went_m - 4.0).abs() < 0.02 && (went_m - 4.0 * by_flow).abs() < 0.01, "{went_m}");
+}
+
+#[test]
 fn a_landmark_that_is_seen_again_ties_the_pose_to_where_it_was_first_seen() {
     let text = "duration_s = 5.0\n[room]\nwidth_m = 6.0\ndepth_m = 6.0\n[start]\nx_m = 3.0\ny_m = 3.0\n[robot]\n\
                 floor_camera = false\n[robot.range_camera]\n[localizer]\nmethods = [\"range_landmarks\"]\n[[landmark]]\nx_m = 5.0\ny_m = 3.0\n[[route.waypoint]]\nx_m = 3.5\ny_m = 3.0\n";
