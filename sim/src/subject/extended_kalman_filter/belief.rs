@@ -48,8 +48,8 @@ struct Window {
 /// left. A robot crosses doorways, carpets' edges and turns about once in a metre.
 const LASTS_M: f64 = 1.0;
 
-/// Share of right measurements that pass the gate.
-const GATE: f64 = 0.99;
+/// Share of right measurements that pass the gate: all within three standard deviations, which are the declared bound.
+const GATE: f64 = 0.9973;
 
 /// A row of a measurement's Jacobian: the places in the state on which it depends, with the derivatives.
 pub(crate) type Row = Vec<(usize, f64)>;

@@ -68,9 +68,9 @@ fn a_measurement_weighs_as_the_variances_say() {
 }
 
 #[test]
-fn a_measurement_beyond_the_99_percent_quantile_is_left_out() {
-    // The residual has the variance 4 + 1; the quantile of χ² with one degree of freedom is 6.635, so that the gate is at √33.17 = 5.76.
-    for (residual_m, is_used) in [(5.7, true), (5.8, false), (-5.8, false)] {
+fn a_measurement_beyond_three_standard_deviations_is_left_out() {
+    // The residual has the variance 4 + 1, so that the gate is at 3·√5 = 6.708.
+    for (residual_m, is_used) in [(6.7, true), (6.72, false), (-6.72, false)] {
         let used = wide().update(&[vec![(0, 1.0)]], &DVector::from_element(1, residual_m), &DMatrix::identity(1, 1));
         assert_eq!(used, is_used, "{residual_m}");
     }
@@ -95,6 +95,30 @@ fn an_error_that_lasts_is_forgotten_over_a_metre_while_its_variance_stays() {
     assert_eq!((belief.covariance[(0, slip)], belief.covariance[(0, 0)]), (belief.covariance[(slip, 0)], x_m2));
     belief.change(&filter.layout, 100.0);
     assert!((belief.covariance[(slip, slip)] - variance).abs() < 1e-12 * variance && belief.mean[slip].abs() < 1e-15);
+}
+
+#[test]
+fn counts_of_the_flow_sensor_err_by_one_rounding_a_window_and_more_where_the_robot_may_have_turned_back() {
+    let text = "duration_s = 5.0\n[room]\nwidth_m = 6.0\ndepth_m = 6.0\n[start]\nx_m = 1.0\ny_m = 3.0\n[robot]\nfloor_camera = false\n\
+                flow = true\n[localizer]\nmethods = []\n[[route.waypoint]]\nx_m = 3.0\ny_m = 3.0\n";
+    let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let filter = filter(&scene);
+    let flow = filter.robot.flow.unwrap();
+    let (window_s, tuning) = (filter.robot.wheels.slip_window_s, Tuning::default());
+    let variance_m2 = |span_s: f64, flowed_m: f64| {
+        let step =
+            Step { stamp_s: 1.0, span_s, rolled_m: [flowed_m; 2], turned: None, flowed_m: Some([flowed_m, 0.0]) };
+        moved::Moved::of(&step, &filter.belief, &filter.layout, &filter.robot, &tuning).noise[(0, 0)]
+    };
+    // A third of half a count, squared, for a whole window; a tenth of it for a step of a tenth of the window.
+    let rounding_m2 = (0.5 * flow.quantisation_counts * flow.metres_per_count.mid() / 3.0).powi(2);
+    for share in [1.0, 0.1] {
+        let got_m2 = variance_m2(share * window_s, 0.01);
+        assert!((got_m2 - share * rounding_m2).abs() < 1e-9 * rounding_m2, "{got_m2} {rounding_m2}");
+    }
+    let more_m2 = variance_m2(window_s, 0.5 * flow.back_and_forth_m) - rounding_m2;
+    assert!((more_m2 - (flow.back_and_forth_m / 3.0).powi(2)).abs() < 1e-9 * more_m2, "{more_m2}");
+    assert!((variance_m2(window_s, 0.0) - rounding_m2).abs() < 1e-9 * rounding_m2);
 }
 
 #[test]

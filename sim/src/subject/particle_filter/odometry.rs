@@ -83,8 +83,9 @@ impl Odometry {
                 let path_m = along[0].hypot(along[1]);
                 let calibrated = share(flow.metres_per_count).hypot(0.5 * flow.yaw_rad.width());
                 let count_m = factor * 0.5 * flow.quantisation_counts * flow.metres_per_count.mid();
-                let off_m2 =
-                    of_window(path_m, &|path_m| flow.scale_change.hypot(calibrated) * path_m) + count_m.powi(2);
+                // Counts are rounded once however often they are read, so that a window has the error of one count.
+                let off_m2 = of_window(path_m, &|path_m| flow.scale_change.hypot(calibrated) * path_m)
+                    + count_m.powi(2) * windows;
                 ([along[0] + turn_rad * arm_left_m, along[1] - turn_rad * arm_ahead_m], [off_m2; 2])
             }
             _ => {
