@@ -47,8 +47,8 @@ use gathered::{Gathered, Manner, Stamped};
 use lenses::LensFound;
 use motion::Motion;
 use player::Player;
-pub use report::LogReplay;
 use report::Told;
+pub use report::{LogReplay, log_text};
 use source::{RawMessage, Source};
 use topics::{Choice, Offered, Role};
 use truth::TruePath;
@@ -178,7 +178,17 @@ fn unusable(path: &Path, gathered: &Gathered) -> LogError {
             .iter()
             .map(|(reason, dropped)| format!("{} times {reason}: {}", dropped.count, dropped.first))
             .collect();
-        format!("no message of `{name}` can be used ({})", reasons.join("; "))
+        let set_back = gathered.set_back.iter().map(|one| {
+            format!(
+                "after the message of `{}` logged at {:.3} s, {}",
+                one.topic,
+                one.logged_ns as f64 * 1e-9,
+                one.what()
+            )
+        });
+        let reasons: Vec<String> = reasons.into_iter().chain(set_back).collect();
+        let why = if reasons.is_empty() { "it has none".to_owned() } else { reasons.join("; ") };
+        format!("no message of `{name}` can be used ({why})")
     });
     let found = why.unwrap_or_else(|| "it has no topic of the wheels".to_owned());
     let expected = "expected a topic of type nav_msgs/Odometry or sensor_msgs/JointState";

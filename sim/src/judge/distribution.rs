@@ -35,8 +35,8 @@ pub(super) fn distribution(record: &RunRecord) -> Option<Distribution> {
     of_steps(&steps.filter_map(|(stated, truth)| Some((stated.as_ref()?, truth.pose))).collect::<Vec<_>>())
 }
 
-/// Judges stated distributions, each against a truth.
-fn of_steps(steps: &[(&Stated, Pose)]) -> Option<Distribution> {
+/// Judges stated distributions, each against the true pose at its time; `None` without any.
+pub fn of_steps(steps: &[(&Stated, Pose)]) -> Option<Distribution> {
     let checks = steps.len();
     if checks == 0 {
         return None;

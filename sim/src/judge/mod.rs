@@ -18,7 +18,7 @@ mod verdict;
 pub use bounds::{violations, watched};
 pub(crate) use claims::joint_claimed;
 pub use claims::{is_true, wall_line_deg};
-pub use distribution::corridor;
+pub use distribution::{corridor, of_steps as judge_distributions};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use expectations::metric_names;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};

@@ -43,9 +43,9 @@ pub(super) struct Gathered {
     pub(super) topics: BTreeMap<String, Topic>,
     /// The frame of the first message of each topic.
     frames: BTreeMap<String, String>,
-    /// Latest time of logging so far.
-    latest_ns: Option<i64>,
-    /// Where and by how much the time of logging went back, from where the log is read no further.
+    /// Latest time of logging so far, for each topic: a file may hold one topic after the other.
+    latest_ns: BTreeMap<String, i64>,
+    /// Where and by how much a topic's time of logging went back, from where the log is read no further.
     pub(super) set_back: Option<SetBack>,
 }
 
@@ -55,6 +55,13 @@ pub(super) struct SetBack {
     pub(super) topic: String,
     pub(super) logged_ns: i64,
     pub(super) by_s: f64,
+}
+
+impl SetBack {
+    /// What happens there, for messages.
+    pub(super) fn what(&self) -> String {
+        format!("the time of logging goes back by {:.3} s, and what comes after is not read", self.by_s)
+    }
 }
 
 /// What a message gives, by its role.
@@ -78,13 +85,13 @@ impl Gathered {
     /// Takes in a message of a topic that is read as `role`. Returns whether the log is to be read further.
     pub(super) fn take(&mut self, message: RawMessage<'_>, role: Role, manner: &Manner<'_>) -> bool {
         let tolerance_ns = (manner.keys.clock_tolerance_s * 1e9) as i64;
-        let latest_ns = self.latest_ns.map_or(message.logged_ns, |latest_ns| latest_ns.max(message.logged_ns));
+        let latest_ns = self.latest_ns.get(message.topic).map_or(message.logged_ns, |ns| message.logged_ns.max(*ns));
         if message.logged_ns < latest_ns.saturating_sub(tolerance_ns) {
             let by_s = latest_ns.saturating_sub(message.logged_ns) as f64 * 1e-9;
             self.set_back = Some(SetBack { topic: message.topic.to_owned(), logged_ns: latest_ns, by_s });
             return false;
         }
-        self.latest_ns = Some(latest_ns);
+        self.latest_ns.insert(message.topic.to_owned(), latest_ns);
         let topic = self.topics.entry(message.topic.to_owned()).or_default();
         let number = topic.n_messages;
         topic.n_messages += 1;
@@ -350,6 +357,21 @@ mod tests {
         assert_eq!(stamps_s(&gathered), [1, 2, 3]);
         let set_back = SetBack { topic: "/t".to_owned(), logged_ns: 103_000_000_000, by_s: 4.0 };
         assert_eq!(gathered.set_back, Some(set_back));
+    }
+
+    #[test]
+    fn a_file_may_hold_one_topic_after_the_other() {
+        let keys = Log::default();
+        let mut gathered = Gathered::default();
+        for topic in ["/one", "/two"] {
+            for at_s in 1..=9_i64 {
+                let (data, logged_ns, kind) =
+                    (pose_message(at_s as i32), at_s * 1_000_000_000, "geometry_msgs/PoseStamped");
+                let message = RawMessage { topic, kind, encoding: "cdr", logged_ns, data: &data };
+                assert!(gathered.take(message, Role::Truth, &Manner { keys: &keys, receiver: None }), "{topic} {at_s}");
+            }
+        }
+        assert_eq!((gathered.truth.len(), gathered.set_back), (18, None));
     }
 
     #[test]

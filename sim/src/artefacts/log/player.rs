@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     artefacts::recording::exact,
-    subject::{Answer, Failure, Subject},
+    subject::{Answer, Failure, Stated, Subject},
 };
 
 /// What a method made of the readings that it was given.
@@ -36,6 +36,8 @@ pub(super) struct Played {
     /// Whether the localizer answered with boxes, at every step.
     pub(super) has_boxes: bool,
     pub(super) estimates: Vec<Estimate>,
+    /// The distribution that the localizer stated at each estimate, if it did.
+    pub(super) stated: Vec<Option<Stated>>,
     pub(super) contradictions: Vec<Contradiction>,
     /// What makes the width of the boxes, at each key frame for which that is known.
     pub(super) widths: Vec<PoseWidth>,
@@ -79,6 +81,7 @@ impl Player {
             subject: subject.name().to_owned(),
             has_boxes: true,
             estimates: Vec::new(),
+            stated: Vec::new(),
             contradictions: Vec::new(),
             widths: Vec::new(),
             fixes: Vec::new(),
@@ -182,6 +185,7 @@ impl Player {
             self.played.failure = Some(failure.clone());
             return;
         }
+        self.played.stated.push(Stated::of(&answer));
         self.played.has_boxes &= matches!(answer, Answer::Boxes(_));
         let estimate = answer.into_estimate(time_s);
         let found = estimate.contradicting.iter();

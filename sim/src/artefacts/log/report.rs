@@ -10,6 +10,8 @@
 
 mod text;
 
+pub use text::text as log_text;
+
 use std::{
     collections::BTreeMap,
     fs, io,
@@ -36,7 +38,7 @@ use crate::{
         machine::machine,
         run_files::{self, RecordError, estimates_digest, naming, scene_digest, width_of},
     },
-    judge::{Passed, fix_width},
+    judge::{Passed, fix_width, judge_distributions},
     loading::SceneFile,
     scene::{Log, Scene},
 };
@@ -106,7 +108,7 @@ impl LogReplay {
         let duration_s = summary["duration_s"].as_f64().unwrap_or_default();
         let timing = json!({
             "wall_s": told.wall_s, "real_time_factor": duration_s / told.wall_s, "machine": machine(),
-            "scene_path": told.robot.path, "set": [], "program": run_files::program_digest(),
+            "scene_path": told.robot.path, "log_path": told.log, "set": [], "program": run_files::program_digest(),
         });
         LogReplay {
             name,
@@ -205,6 +207,7 @@ fn summary(told: &Told<'_>, name: &str, compared: Option<&Compared>, tight: &[Ti
         "duration_s": played.estimates.last().map_or(0.0, |last| last.time_s),
         "containment": compared.filter(|_| played.has_boxes).map(Compared::to_json),
         "bounds": tight.iter().map(|one| one.to_json()).collect::<Vec<_>>(),
+        "distribution": told.truth.and_then(|truth| stated_against(played, truth)),
         "error": compared.map(|compared| serde_json::to_value(&compared.error).unwrap_or_default()),
         "width": if played.has_boxes { width } else { Value::Null },
         "methods": methods,
@@ -223,6 +226,14 @@ fn summary(told: &Told<'_>, name: &str, compared: Option<&Compared>, tight: &[Ti
             "estimates": estimates_digest(&played.estimates),
         },
     })
+}
+
+/// How well the distributions that a localizer stated agree with the true poses; `None` where it stated none, or no true pose is known.
+fn stated_against(played: &Played, truth: &TruePath) -> Option<Value> {
+    let times_s = played.estimates.iter().map(|estimate| estimate.time_s);
+    let steps = played.stated.iter().zip(times_s);
+    let known: Vec<_> = steps.filter_map(|(stated, time_s)| Some((stated.as_ref()?, truth.at(time_s)?))).collect();
+    judge_distributions(&known).and_then(|judged| serde_json::to_value(judged).ok())
 }
 
 fn contradiction(found: &Contradiction) -> Value {
@@ -252,8 +263,7 @@ fn log(told: &Told<'_>) -> Value {
         })
         .collect();
     damage.extend(told.set_back.map(|set_back| {
-        let what = format!("the time of logging goes back by {:.3} s, and what comes after is not read", set_back.by_s);
-        json!({ "what": what, "after_topic": set_back.topic, "after_s": since_s(set_back.logged_ns) })
+        json!({ "what": set_back.what(), "after_topic": set_back.topic, "after_s": since_s(set_back.logged_ns) })
     }));
     json!({
         "first_stamp_s": told.zero_ns as f64 * 1e-9,

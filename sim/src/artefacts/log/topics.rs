@@ -173,7 +173,7 @@ impl Choice<'_> {
             Some(topic) => format!("is `{name}`, whose type is {}, expected {}", topic.kind, role.kinds().join(" or ")),
             None => {
                 let known: Vec<String> = self.offered.keys().map(|name| format!("`{name}`")).collect();
-                format!("is `{name}`, which the log does not have, expected one of {}", known.join(", "))
+                format!("is `{name}`, which the log does not have, expected {}", one_of(&known))
             }
         };
         Err(self.refuse_key(key, found))
@@ -185,5 +185,13 @@ impl Choice<'_> {
 
     fn refuse_key(&self, key: &str, found: String) -> LogError {
         LogError::Topic { log: self.log.to_owned(), robot: self.robot.to_owned(), key: key.to_owned(), found }
+    }
+}
+/// What a log offers, for messages.
+fn one_of(known: &[String]) -> String {
+    if known.is_empty() {
+        "a log with a topic that can be read".to_owned()
+    } else {
+        format!("one of {}", known.join(", "))
     }
 }

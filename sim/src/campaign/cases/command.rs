@@ -18,6 +18,15 @@ impl Replay {
             return Replay(elsewhere(case));
         }
         let mut words = program();
+        if let Some(log) = case.timing().and_then(|timing| timing["log_path"].as_str()) {
+            let robot = case.scene_path.display().to_string();
+            words.extend(["replay".to_owned(), "--robot".to_owned(), robot, log.to_owned()]);
+            if case.subject != SubjectChoice::default().to_string() {
+                words.extend(["--subject".to_owned(), case.subject.clone()]);
+            }
+            words.extend(["--out".to_owned(), out.to_owned()]);
+            return Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "));
+        }
         words.extend(["run".to_owned(), case.scene_path.display().to_string()]);
         for setting in &case.settings {
             words.extend(["--set".to_owned(), setting.to_string()]);

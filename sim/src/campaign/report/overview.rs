@@ -116,10 +116,16 @@ impl Overview {
     }
 
     /// Returns the number of steps with the truth outside the box for each cause: a declared bound that was exceeded, false claims of the vision, or
-    /// the localizer.
-    pub fn outside(&self) -> [(&'static str, u64); 3] {
-        let count = |name: &str| self.figures.get(&format!("containment.{name}")).copied().unwrap_or_default() as u64;
-        [("bound broken", count("bound_broken")), ("perception", count("perception")), ("unsound", count("unsound"))]
+    /// the localizer. Where a log's truth is outside, no cause is known. Empty where no case has boxes and a truth.
+    pub fn outside(&self) -> Vec<(&'static str, u64)> {
+        let names = [
+            ("bound broken", "bound_broken"),
+            ("perception", "perception"),
+            ("unsound", "unsound"),
+            ("outside", "outside"),
+        ];
+        let count = |name: &str| self.figures.get(&format!("containment.{name}")).map(|count| *count as u64);
+        names.into_iter().filter_map(|(shown, name)| Some((shown, count(name)?))).collect()
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
-    artefacts::result_table,
+    artefacts::{log::log_text, result_table},
     campaign::cases::{CaseResult, Replay, Results},
     judge::{Judgement, figures::Figures},
 };
@@ -49,6 +49,7 @@ pub fn as_html(overview: &Overview, results: &Results) -> String {
                 @if let Some(heatmaps) = heatmaps(overview) { (heatmaps) }
                 (diagrams(results))
                 (worst_cases(overview, results))
+                (logs(overview, results))
                 (groups(overview))
                 (localizers(results))
                 (methods(overview))
@@ -195,6 +196,33 @@ fn told(overview: &Overview, case: &CaseResult) -> Markup {
     }
 }
 
+/// Shows what was found in each log that another program recorded: its topics, what was dropped, gaps, damage, and how tight the declared bounds are.
+fn logs(overview: &Overview, results: &Results) -> Markup {
+    let logs: Vec<(&CaseResult, String)> =
+        results.cases.iter().filter_map(|case| Some((case, log_of(case)?))).collect();
+    html! {
+        @if !logs.is_empty() {
+            h2 { "What the logs hold" }
+            p.note {
+                "Times are seconds since the log's first reading of the wheels. A bound is too tight where the log's true poses show a greater error than "
+                "it declares."
+            }
+            @for (case, text) in logs {
+                article {
+                    h3 { (case.describe(overview.has_scenes)) }
+                    pre { (text) }
+                    pre { code { (Replay::of(case, "renders")) } }
+                }
+            }
+        }
+    }
+}
+
+fn log_of(case: &CaseResult) -> Option<String> {
+    let summary = case.summary()?;
+    summary["log"].is_object().then(|| log_text(summary))
+}
+
 fn groups(overview: &Overview) -> Markup {
     html! {
         h2 { "Every combination" }
@@ -333,7 +361,8 @@ fn origin(results: &Results) -> Markup {
                 }
             }
             p {
-                "A check is one step of 10 ms. Outside the box the cause is named: " strong { "bound broken" }
+                "A check is one step of 10 ms, and in a log one estimate. Outside the box the cause is named, in a drive of the simulator: "
+                strong { "bound broken" }
                 ", a declared bound was really exceeded; " strong { "perception" } ", the vision claimed what is not there; "
                 strong { "unsound" } ", neither. All figures of all cases are in results.csv."
             }

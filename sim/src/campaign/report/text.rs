@@ -32,6 +32,9 @@ pub fn as_text(overview: &Overview, results: &Results) -> String {
     }
     let verdict = if overview.has_passed() { "passed" } else { "FAILED" };
     text += &format!("\n{verdict}: {}.", overview.headline());
+    if overview.outside().is_empty() {
+        return text + "\n";
+    }
     let outside: Vec<String> = overview.outside().iter().map(|(name, n)| format!("{n} {name}")).collect();
     let checks = overview.figures.get("containment.checks").copied().unwrap_or_default();
     text += &format!(" Of {checks} checks, outside the box: {}.\n", outside.join(", "));

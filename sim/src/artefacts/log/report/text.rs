@@ -7,8 +7,8 @@ use serde_json::Value;
 /// Greatest number of lines for one kind of finding; the summary has them all.
 const MOST_LINES: usize = 8;
 
-/// The text for a summary. Writing to a `String` cannot fail.
-pub(super) fn text(summary: &Value) -> String {
+/// What the terminal shows of the replay of a log with this summary, but for the verdict. Writing to a `String` cannot fail.
+pub fn text(summary: &Value) -> String {
     let mut text = String::new();
     let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64);
     let count = |pointer: &str| number(pointer).unwrap_or(0.0);
@@ -48,6 +48,14 @@ pub(super) fn text(summary: &Value) -> String {
     }
     if let Some(error_m) = number("/error/position_m/mean") {
         let _ = writeln!(text, "error of the middle: {:.1} mm on average", 1e3 * error_m);
+    }
+    if let Some(nees) = number("/distribution/nees/mean") {
+        let (within, checks) = (count("/distribution/within_3_sigma_share"), count("/distribution/checks"));
+        let _ = writeln!(
+            text,
+            "distributions: the truth within 3σ along every axis in {:.1} % of {checks} checks, mean NEES {nees:.2} where 3 is right",
+            1e2 * within
+        );
     }
     bounds(&mut text, &summary["bounds"]);
     text
