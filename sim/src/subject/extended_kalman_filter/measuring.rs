@@ -146,3 +146,7 @@ fn see_landmark(
     }
     belief.update(&rows, &residual, &DMatrix::from_iterator(2, 2, noise.iter().copied()));
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

@@ -5,14 +5,14 @@ use nalgebra::{DMatrix, DVector};
 use super::*;
 
 /// A yard with a satellite receiver and a gyroscope.
-fn yard() -> Scene {
+pub(super) fn yard() -> Scene {
     let text = "duration_s = 5.0\n[room]\nwidth_m = 12.0\ndepth_m = 8.0\n[start]\nx_m = 2.0\ny_m = 2.0\ntolerance_m = 0.5\n\
                 tolerance_deg = 20.0\n[robot]\nfloor_camera = false\ngyro = true\n[robot.gnss]\nforward_m = -0.15\nleft_m = 0.1\n\
                 height_m = 0.6\n[localizer]\nmethods = [\"gnss_positions\"]\n[[route.waypoint]]\nx_m = 4.0\ny_m = 2.0\n";
     Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-fn filter(scene: &Scene) -> ExtendedKalmanFilter {
+pub(super) fn filter(scene: &Scene) -> ExtendedKalmanFilter {
     ExtendedKalmanFilter::of(scene, Tuning::default(), "ekf".to_owned())
 }
 
@@ -52,7 +52,7 @@ fn a_late_position_changes_the_belief_as_one_in_time_does() {
 }
 
 /// A belief that the robot is within 6 m of the origin along either axis: with a standard deviation of 2 m.
-fn wide() -> Belief {
+pub(super) fn wide() -> Belief {
     let filter = filter(&yard());
     let side = Interval::centred(0.0, 6.0);
     Belief::start(&filter.layout, &PoseBox::from([side, side, Interval::centred(0.0, 0.3)]))
@@ -189,4 +189,114 @@ fn a_landmark_that_is_seen_again_ties_the_pose_to_where_it_was_first_seen() {
     assert_eq!(filter.belief.landmarks, [7]);
     let moved_m = filter.belief.mean[0] - 3.0;
     assert!((0.35..0.4).contains(&moved_m), "{moved_m} m, between 0.35 m by the landmark and 0.4 m by the wheels");
+}
+
+#[test]
+fn the_gate_widens_with_the_number_of_components() {
+    // Standard deviations of the residual: √(4 + 5) = 3 and √(4 + 12) = 4 m, √(0.01 + 0.03) = 0.2 rad. Tables of χ² at 99 % have 9.21 for two degrees
+    // of freedom and 11.34 for three.
+    let noise = [5.0, 12.0, 0.03];
+    for (residual, is_used) in [
+        (vec![6.0, 8.0], true),
+        (vec![6.0, 4.0 * 5.3_f64.sqrt()], false),
+        (vec![6.0, 8.0, 0.2], true),
+        (vec![6.0, 8.0, 0.2 * 3.4_f64.sqrt()], false),
+    ] {
+        let rows: Vec<_> = (0..residual.len()).map(|axis| vec![(axis, 1.0)]).collect();
+        let noise = DMatrix::from_diagonal(&DVector::from_column_slice(&noise[..residual.len()]));
+        assert_eq!(wide().update(&rows, &DVector::from_vec(residual.clone()), &noise), is_used, "{residual:?}");
+    }
+}
+
+/// A step of a robot that stands still while its gyroscope reads this rate.
+fn standing(robot: &RobotModel, stamp_s: f64, span_s: f64, rate_rad_per_s: f64) -> Step {
+    let turned = Some((rate_rad_per_s * span_s, span_s / robot.gyro.unwrap().period_s));
+    Step { stamp_s, span_s, rolled_m: [0.0; 2], turned, flowed_m: None }
+}
+
+#[test]
+fn wheels_that_stand_still_tell_the_bias_of_the_gyroscope() {
+    let ExtendedKalmanFilter { layout, mut belief, mut robot, tuning, .. } = filter(&yard());
+    let gyro = robot.gyro.as_mut().unwrap();
+    (gyro.noise_rad_per_s, gyro.bias_wander_rad_per_s2, gyro.scale) = (0.0, 0.0, Interval::point(1.0));
+    robot.wheels.slip_window_s = 0.995;
+    let [bias, scale] = layout.gyro.unwrap();
+    let (bias_rad_per_s, heading_rad) = (belief.mean[bias], belief.mean[2]);
+    let (bias2, scale2) = (belief.covariance[(bias, bias)], belief.covariance[(scale, scale)]);
+    // In the window of 1 s the gyroscope turns by half a standard deviation of its bias.
+    let off_rad = 0.5 * bias2.sqrt();
+    for step in 1..=100 {
+        let step = standing(&robot, 0.01 * f64::from(step), 0.01, bias_rad_per_s + off_rad);
+        belief.step(&step, &layout, &robot, &tuning);
+    }
+    // Variances of the turn by the gyroscope, and by two wheels that are each known to their slip's floor and to a tick.
+    let by_gyro = bias2 + off_rad.powi(2) * scale2;
+    let [floor_m, tick_m] =
+        [robot.wheels.slip_floor_m, robot.wheels.metres_per_tick(0).mid()].map(|bound_m| bound_m / 3.0);
+    let by_wheels = 2.0 * (floor_m.powi(2) + tick_m.powi(2)) / robot.wheels.track_m.mid().powi(2);
+    let told = off_rad / (by_gyro + by_wheels);
+    let [turned_rad, learnt] = [belief.mean[2] - heading_rad, belief.mean[bias] - bias_rad_per_s];
+    assert!((turned_rad - told * by_wheels).abs() < 1e-6 * off_rad, "{turned_rad}");
+    assert!((learnt - told * bias2).abs() < 1e-6 * off_rad && learnt > 0.0, "{learnt}");
+}
+
+#[test]
+fn the_bias_of_the_gyroscope_becomes_less_certain_as_it_wanders() {
+    let ExtendedKalmanFilter { layout, mut belief, mut robot, tuning, .. } = filter(&yard());
+    robot.gyro.as_mut().unwrap().bias_wander_rad_per_s2 = 3e-4;
+    robot.wheels.slip_window_s = 1e9;
+    let [bias, _] = layout.gyro.unwrap();
+    let start = belief.covariance[(bias, bias)];
+    for second in 1..=100 {
+        belief.step(&standing(&robot, f64::from(second), 1.0, 0.0), &layout, &robot, &tuning);
+    }
+    // A third of the bound is 1e-4, the square of which adds up over 100 s.
+    assert!((belief.covariance[(bias, bias)] - start - 1e-6).abs() < 1e-12);
+}
+
+/// A step of a robot that drives at 1.1 m/s and turns by 1 rad/s.
+fn driving(filter: &ExtendedKalmanFilter, stamp_s: f64, span_s: f64) -> What {
+    let turned = Some((span_s, span_s / filter.robot.gyro.unwrap().period_s));
+    What::Step(Step { stamp_s, span_s, rolled_m: [span_s, 1.2 * span_s], turned, flowed_m: None })
+}
+
+fn at(x_m: f64, y_m: f64) -> Seen {
+    Seen::Position { in_robot_m: [-0.15, 0.1], in_world_m: [x_m, y_m], sigma_m: 0.01 }
+}
+
+fn assert_same(one: &Belief, other: &Belief) {
+    assert!((&one.mean - &other.mean).amax() < 1e-12, "{} {}", one.mean, other.mean);
+    assert!((&one.covariance - &other.covariance).amax() < 1e-12);
+}
+
+#[test]
+fn a_late_position_counts_at_its_own_stamp_within_a_step() {
+    let [mut in_time, mut late] = [(); 2].map(|()| filter(&yard()));
+    for (stamp_s, span_s) in [(0.1, 0.1), (0.15, 0.05)] {
+        in_time.apply(driving(&in_time, stamp_s, span_s));
+    }
+    in_time.apply(What::Seen(Mounted::Antenna, at(2.1, 2.1)));
+    in_time.apply(driving(&in_time, 0.2, 0.05));
+    for stamp_s in [0.1, 0.2] {
+        late.apply(driving(&late, stamp_s, 0.1));
+    }
+    late.insert(0.15, Mounted::Antenna, at(2.1, 2.1));
+    assert_same(&in_time.belief, &late.belief);
+}
+
+#[test]
+fn a_position_that_arrives_after_a_later_one_leaves_that_in_its_place() {
+    let [mut in_order, mut overtaken] = [(); 2].map(|()| filter(&yard()));
+    for filter in [&mut in_order, &mut overtaken] {
+        for stamp_s in [0.1, 0.2, 0.3] {
+            filter.apply(driving(filter, stamp_s, 0.1));
+        }
+    }
+    for stamp_s in [0.05, 0.15] {
+        in_order.insert(stamp_s, Mounted::Antenna, at(2.0 + stamp_s, 2.1));
+    }
+    for stamp_s in [0.15, 0.05] {
+        overtaken.insert(stamp_s, Mounted::Antenna, at(2.0 + stamp_s, 2.1));
+    }
+    assert_same(&in_order.belief, &overtaken.belief);
 }

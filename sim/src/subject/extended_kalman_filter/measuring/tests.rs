@@ -1,0 +1,98 @@
+use std::f64::consts::PI;
+
+use super::{
+    super::tests::{filter, wide, yard},
+    *,
+};
+
+fn known<'a>(layout: &'a Layout, tiles: Option<&'a TileGrid>) -> Known<'a> {
+    Known { layout, tiles, wall_directions_rad: &[], tuning: &Tuning { motion: 1.0, cues: 1.0 } }
+}
+
+#[test]
+fn derivatives_of_a_devices_pose_and_of_a_place_are_those_of_finite_differences() {
+    let filter = filter(&yard());
+    let mut belief = filter.belief.clone();
+    for at in 0..belief.mean.len() {
+        belief.mean[at] = 0.3 + 0.17 * at as f64;
+    }
+    let apparent = |belief: &Belief| Apparent::of(belief, &filter.layout, Mounted::Antenna);
+    let numbers = |belief: &Belief| {
+        let ([x_m, y_m, heading_rad], (place, _)) = (apparent(belief).pose, apparent(belief).place([0.7, -0.4]));
+        [x_m, y_m, heading_rad, place[0], place[1]]
+    };
+    let middle = apparent(&belief);
+    let rows = [&middle.rows[..], &middle.place([0.7, -0.4]).1].concat();
+    for at in 0..belief.mean.len() {
+        let moved = |by: f64| {
+            let mut moved = belief.clone();
+            moved.mean[at] += by;
+            numbers(&moved)
+        };
+        let [low, high] = [-1e-5, 1e-5].map(moved);
+        for (number, row) in rows.iter().enumerate() {
+            let slope: f64 = row.iter().filter(|(place, _)| *place == at).map(|(_, slope)| slope).sum();
+            let difference = (high[number] - low[number]) / 2e-5;
+            assert!((slope - difference).abs() < 1e-8, "number {number} by {at}: {slope}, {difference}");
+        }
+    }
+}
+
+#[test]
+fn a_markers_heading_is_off_by_the_turn_of_at_most_half_a_circle() {
+    let (layout, mut belief) = (filter(&yard()).layout, wide());
+    belief.mean[2] = 3.2;
+    let pose = [0.0, 0.0, -3.08];
+    // With the variance 0.01 of both, half of the difference counts.
+    let seen = Seen::Pose { pose, covariance: Matrix3::from_diagonal_element(belief.covariance[(2, 2)]) };
+    measure(&mut belief, Mounted::CeilingCamera, &seen, &known(&layout, None));
+    let by_hand = 0.5 * (3.2 + 2.0 * PI - 3.08);
+    assert!((belief.mean[2] - by_hand).abs() < 1e-9, "{}", belief.mean[2]);
+}
+
+#[test]
+fn a_joint_counts_only_where_no_other_joint_can_be_meant() {
+    let grid = TileGrid {
+        edge_m: [0.3, 0.5],
+        rotation_rad: 0.0,
+        phase_m: [0.0, 0.0],
+        joint_width_m: 0.004,
+        laying_m: 0.001,
+        laying_angle_rad: 0.001,
+        straightness_m: 0.0,
+    };
+    // From x = 1 m the joint is seen at 1.21 m; the nearest one is at 1.2 m, and half an edge is 0.15 m.
+    let joint = Joint { normal_rad: 0.0, distance_m: 0.21, sigma: [0.01, 0.01] };
+    let layout = filter(&yard()).layout;
+    let x_m_with = |sigma_m: f64| {
+        let mut belief = wide();
+        belief.mean[0] = 1.0;
+        belief.covariance[(0, 0)] = sigma_m * sigma_m;
+        measure(&mut belief, Mounted::FloorCamera, &Seen::Joints(vec![joint]), &known(&layout, Some(&grid)));
+        belief.mean[0]
+    };
+    // Three standard deviations: 3·√(0.05² + 0.01²) = 0.153 m, and 3·√(0.048² + 0.01²) = 0.147 m.
+    assert_eq!(x_m_with(0.05), 1.0);
+    let by_hand = 1.0 - 0.01 * 0.048_f64.powi(2) / (0.048_f64.powi(2) + 0.01_f64.powi(2));
+    assert!((x_m_with(0.048) - by_hand).abs() < 1e-9, "{} instead of {by_hand}", x_m_with(0.048));
+}
+
+#[test]
+fn a_landmark_seen_again_is_as_uncertain_as_it_was_first_seen() {
+    let (layout, mut belief) = (filter(&yard()).layout, wide());
+    belief.covariance.row_mut(2).fill(0.0);
+    belief.covariance.column_mut(2).fill(0.0);
+    let see = |belief: &mut Belief, ahead_m: f64| {
+        let sighting = (7, Vector2::new(ahead_m, 0.0), Matrix2::from_diagonal_element(0.25));
+        measure(belief, Mounted::RangeCamera, &Seen::Landmarks(vec![sighting]), &known(&layout, None));
+    };
+    see(&mut belief, 2.0);
+    // The robot moves, with the variance 1 along x.
+    belief.covariance[(0, 0)] += 1.0;
+    see(&mut belief, 2.3);
+    // The residual of −0.3 m has the variances 1 of the motion and 0.25 of either sighting: the robot has two thirds of it and the landmark a sixth.
+    let landmark = belief.landmark(7).unwrap();
+    let [robot_m, landmark_m] = [belief.mean[0], belief.mean[landmark]];
+    assert!((robot_m + 0.2).abs() < 1e-9 && (landmark_m - 2.05).abs() < 1e-9, "{robot_m} {landmark_m}");
+    assert!((belief.covariance[(0, 0)] - (5.0 - 1.0 / 1.5)).abs() < 1e-9);
+}
