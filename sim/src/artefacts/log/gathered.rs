@@ -418,5 +418,27 @@ mod tests {
             is_used(2, 0.0099) && !is_used(2, 0.0101) && is_used(0, 0.0101) && !is_used(0, 0.21) && !is_used(-1, 0.0)
         );
         assert!(!is_used(2, f64::NAN));
+        // The east counts as the north does.
+        let mut to_the_east = of(2, 0.0);
+        to_the_east.covariance_m2 = Some([0.0101 * 0.0101, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert!(position(&to_the_east, &datum, &receiver).is_err());
+    }
+
+    #[test]
+    fn only_corrections_from_the_ground_make_a_fixed_position() {
+        let datum = Datum { latitude_deg: 45.0, longitude_deg: 9.0, altitude_m: 0.0, x_axis_deg: 0.0, sigmas: 0.0 };
+        let (latitude_deg, longitude_deg, altitude_m, covariance_m2) = (45.0, 9.0, 0.0, None);
+        let is_fixed = |status| {
+            let fix = messages::SatelliteFix { status, latitude_deg, longitude_deg, altitude_m, covariance_m2 };
+            position(&fix, &datum, &Gnss::default()).map(|position| position.is_fixed)
+        };
+        assert_eq!([0, 1, 2].map(is_fixed), [Ok(false), Ok(false), Ok(true)]);
+    }
+
+    #[test]
+    fn a_turn_rate_about_an_axis_that_points_down_is_negative() {
+        let axes = [UpAxis::X, UpAxis::Y, UpAxis::Z, UpAxis::MinusX, UpAxis::MinusY, UpAxis::MinusZ];
+        let rates = axes.map(|up| about_vertical([1.0, 2.0, 3.0], up));
+        assert_eq!(rates, [1.0, 2.0, 3.0, -1.0, -2.0, -3.0]);
     }
 }

@@ -59,4 +59,23 @@ mod tests {
         let [x_m, y_m] = world_m(&datum(90.0), 45.0, 9.0001, 0.0);
         assert!(y_m < -7.8 && x_m.abs() < 1e-3, "{x_m} {y_m}");
     }
+
+    #[test]
+    fn a_height_far_from_the_datum_leans_outwards() {
+        // The vertical leans by 0.1° a tenth of a degree to the north, and by cos 45° of that a tenth of a degree to the east, in which direction it
+        // also leans to the north by sin 45° · cos 45° · (1 − cos 0.1°).
+        let raised_m = |latitude_deg: f64, longitude_deg: f64| {
+            let [ground, high] =
+                [0.0, 100.0].map(|altitude_m| world_m(&datum(0.0), latitude_deg, longitude_deg, altitude_m));
+            [high[0] - ground[0], high[1] - ground[1]]
+        };
+        let (sin, cos) = 0.1_f64.to_radians().sin_cos();
+        for (raised_m, by_hand_m) in [
+            (raised_m(45.1, 9.0), [0.0, 100.0 * sin]),
+            (raised_m(45.0, 9.1), [100.0 * 0.5_f64.sqrt() * sin, 100.0 * 0.5 * (1.0 - cos)]),
+        ] {
+            let is_near = (0..2).all(|axis| (raised_m[axis] - by_hand_m[axis]).abs() < 1e-7);
+            assert!(is_near, "{raised_m:?} instead of {by_hand_m:?}");
+        }
+    }
 }

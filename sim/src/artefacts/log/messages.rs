@@ -215,4 +215,58 @@ mod tests {
         let unset = SpatialPose { position_m: [0.0; 3], attitude: [0.0; 4] };
         assert_eq!(unset.planar(), None);
     }
+
+    #[test]
+    fn the_heading_of_a_leaning_body_is_that_of_its_x_axis_seen_from_above() {
+        // A turn about the vertical by 0.7 rad of a body that pitches by 0.3 rad and rolls about its own x axis by 0.2 rad: the product of the three
+        // quaternions about z, y and x.
+        let [(sz, cz), (sy, cy), (sx, cx)] = [0.35_f64, 0.15, 0.1].map(f64::sin_cos);
+        let attitude = [
+            cz * cy * sx - sz * sy * cx,
+            cz * sy * cx + sz * cy * sx,
+            sz * cy * cx - cz * sy * sx,
+            cz * cy * cx + sz * sy * sx,
+        ];
+        let heading_rad = SpatialPose { position_m: [0.0; 3], attitude }.planar().unwrap().heading_rad;
+        assert!((heading_rad - 0.7).abs() < 1e-12, "{heading_rad}");
+    }
+
+    /// A header with the stamp 0 and the frame `f`, of 18 bytes; numbers lie at multiples of their length from its fifth byte on.
+    fn header_bytes() -> Vec<u8> {
+        vec![0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'f', 0]
+    }
+
+    fn bytes_of(numbers: &[f64]) -> Vec<u8> {
+        numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+    }
+
+    #[test]
+    fn turn_rates_are_measured_unless_their_own_covariance_begins_with_minus_one() {
+        let rates_with = |unmeasured: usize| {
+            // Orientation, turn rates and acceleration, each with its covariance.
+            let mut numbers = [0.0; 4 + 9 + 3 + 9 + 3 + 9];
+            numbers[13..16].copy_from_slice(&[0.1, 0.2, 0.3]);
+            numbers[[4, 16, 28][unmeasured]] = -1.0;
+            imu(&[header_bytes(), vec![0; 2], bytes_of(&numbers)].concat()).unwrap().1
+        };
+        let measured = Some([0.1, 0.2, 0.3]);
+        assert_eq!([0, 1, 2].map(rates_with), [measured, None, measured]);
+    }
+
+    #[test]
+    fn a_positions_covariance_is_known_unless_its_type_is_0() {
+        let covariance_m2 = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+        let fix_with = |kind: u8| {
+            // The status is a byte, the service a number of two bytes at the 16th, and latitude begins at the 24th.
+            let status = vec![2, 0, 9, 9, 0, 0, 0, 0, 0, 0];
+            let numbers = [&[45.0, 9.0, 100.0], &covariance_m2[..]].concat();
+            satellite_fix(&[header_bytes(), status, bytes_of(&numbers), vec![kind]].concat()).unwrap().1
+        };
+        assert_eq!(fix_with(0).covariance_m2, None);
+        for kind in [1, 2, 3] {
+            assert_eq!(fix_with(kind).covariance_m2, Some(covariance_m2));
+        }
+        let SatelliteFix { status, latitude_deg, longitude_deg, altitude_m, .. } = fix_with(0);
+        assert_eq!((status, latitude_deg, longitude_deg, altitude_m), (2, 45.0, 9.0, 100.0));
+    }
 }

@@ -286,4 +286,52 @@ mod tests {
         motion.without_jumps(&ways[1..], &scene, f64::INFINITY);
         assert!(motion.excesses[0].slip_m >= 2.0 * 0.1 * scene.bounds.reach_speed_m_per_s);
     }
+
+    /// A robot whose log has odometry.
+    fn logged() -> Scene {
+        let text = "room = { width_m = 5.0, depth_m = 5.0 }\nstart = { x_m = 2.0, y_m = 2.0, heading_deg = 0.0 }\n\
+                    [log]\nlongest_gap_s = 1.0\n[localizer]\nmethods = []\n";
+        Scene::parse(text, "x.toml").unwrap()
+    }
+
+    /// What is made of odometry with these poses, each with its time in tenths of a second.
+    fn of_odometry(poses: &[(i64, Pose)]) -> Motion {
+        let scene = logged();
+        let odometry = poses.iter().map(|(tenths, value)| {
+            let stamp_ns = tenths * 100_000_000;
+            Stamped { stamp_ns, logged_ns: stamp_ns, number: 0, value: *value }
+        });
+        let mut gathered = Gathered::default();
+        gathered.odometry = odometry.collect();
+        let keys = scene.log.clone().unwrap();
+        Motion::of(&gathered, 0, &told(&scene, &keys, &gathered), &keys)
+    }
+
+    #[test]
+    fn a_heading_that_begins_anew_is_a_jump() {
+        let motion = of_odometry(&[(0, pose(0.0, 0.0, 2.0)), (1, pose(0.0, 0.0, 2.0)), (2, pose(0.0, 0.0, 0.0))]);
+        assert_eq!(motion.jumps_s, [[0.1, 0.2]]);
+        // The robot stood, and so it is taken to stand on.
+        let all_ticks: Vec<[i64; 2]> = motion
+            .readings
+            .iter()
+            .filter_map(|reading| if let Reading::Wheels { ticks, .. } = reading { Some(*ticks) } else { None })
+            .collect();
+        assert_eq!(all_ticks, [[0; 2]; 3]);
+    }
+
+    #[test]
+    fn odometry_is_not_relied_on_in_its_gaps() {
+        let motion = of_odometry(&[(0, pose(0.0, 0.0, 0.0)), (10, pose(0.1, 0.0, 0.0)), (40, pose(0.2, 0.0, 0.0))]);
+        assert!(motion.jumps_s.is_empty(), "{:?}", motion.jumps_s);
+        // In the 3 s each wheel can have gone to the limit of speed and turn rate in one direction, with the odometry's count in the other.
+        let scene = logged();
+        let bounds = &scene.bounds;
+        let wheel_m_per_s =
+            bounds.reach_speed_m_per_s + 0.5 * scene.robot.base.track_m * bounds.reach_turn_rate_rad_per_s;
+        let [excess] = motion.excesses.as_slice() else { panic!("{:?}", motion.excesses) };
+        assert_eq!(excess.span_s, [1.0, 4.0]);
+        assert!((excess.slip_m - 6.0 * wheel_m_per_s).abs() < 1e-9, "{}", excess.slip_m);
+        assert!((excess.side_slip_m - 3.0 * bounds.reach_speed_m_per_s).abs() < 1e-9, "{}", excess.side_slip_m);
+    }
 }

@@ -72,4 +72,13 @@ mod tests {
         assert!(grey(&raw("rgb8", 6, &[0; 5])).unwrap_err().contains("5 bytes"));
         assert!(grey(&raw("rgb8", 5, &[0; 9])).is_err());
     }
+
+    #[test]
+    fn the_more_significant_bytes_of_padded_rows_are_read_in_either_order() {
+        let of = |is_big_endian: bool, data: &[u8]| {
+            grey(&RawImage { size_px: [2, 2], encoding: "mono16", is_big_endian, step: 6, data }).unwrap().into_raw()
+        };
+        assert_eq!(of(true, &[7, 1, 9, 2, 50, 51, 11, 3, 13, 4, 52, 53]), [7, 9, 11, 13]);
+        assert_eq!(of(false, &[1, 7, 2, 9, 50, 51, 3, 11, 4, 13, 52, 53]), [7, 9, 11, 13]);
+    }
 }

@@ -179,4 +179,13 @@ mod tests {
         let path = TruePath::of(&poses, 0, &LoggedTruth::default(), 2.0);
         assert_eq!(path.travelled(0.0, 1.0), Some([-1.0, 0.5, 0.0]));
     }
+
+    #[test]
+    fn the_axis_of_a_tracked_place_that_points_to_the_left_is_a_quarter_ahead_of_the_robots() {
+        // The tracked axis looks along world x, and so the robot to its right of it along −y, with the tracked place 0.2 m ahead.
+        let keys = LoggedTruth { yaw_deg: 90.0, forward_m: 0.2, ..LoggedTruth::default() };
+        let pose = TruePath::of(&[stamped(0, 1.0, 0.0, 0.0)], 0, &keys, 1.0).at(0.0).unwrap();
+        assert!((pose.heading_rad + std::f64::consts::FRAC_PI_2).abs() < 1e-12, "{pose:?}");
+        assert!((pose.x_m - 1.0).abs() < 1e-12 && (pose.y_m - 0.2).abs() < 1e-12, "{pose:?}");
+    }
 }
