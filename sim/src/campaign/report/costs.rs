@@ -140,3 +140,43 @@ fn nees_by_second(folder: &Path) -> BTreeMap<u64, f64> {
     };
     text.lines().skip(1).filter_map(of_line).collect()
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::PathBuf;
+
+    use crate::campaign::sweep::Recorded;
+
+    use super::*;
+
+    /// A run in a folder of its own, with these normalised errors at whole seconds.
+    fn case(name: &str, nees: &[f64]) -> CaseResult {
+        let folder = std::env::temp_dir().join(format!("wherein_costs_{name}_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let lines: String =
+            nees.iter().enumerate().map(|(second, nees)| format!("{second}.000,0,0,{nees}\n")).collect();
+        fs::write(folder.join("distribution.csv"), format!("time_s,x,y,nees\n{lines}")).unwrap();
+        CaseResult {
+            id: String::new(),
+            scene: "x".to_owned(),
+            scene_path: PathBuf::new(),
+            settings: Vec::new(),
+            seed: 1,
+            subject: "ekf".to_owned(),
+            subject_is_elsewhere: false,
+            folder,
+            recorded: Recorded::Missing,
+        }
+    }
+
+    #[test]
+    fn the_mean_over_two_runs_has_the_corridor_of_two_runs() {
+        // χ² at 2.5 % and 97.5 % is 0.216 and 9.348 with three degrees of freedom, and 1.237 and 14.449 with six: the mean of two runs is from 0.619 to
+        // 7.225. The means are 8, 0.5 and 7.
+        let cases = [case("one", &[9.0, 0.4, 13.0]), case("other", &[7.0, 0.6, 1.0])];
+        let share = in_corridor_share(&cases.iter().collect::<Vec<_>>());
+        cases.iter().for_each(|case| fs::remove_dir_all(&case.folder).unwrap());
+        assert_eq!(share, Some(1.0 / 3.0));
+    }
+}

@@ -196,3 +196,30 @@ fn the_corridor_is_that_of_tables_of_chi_squared() {
         assert!((corridor[0] - low).abs() < 5e-4 && (corridor[1] - high).abs() < 5e-4, "{corridor:?}");
     }
 }
+
+#[test]
+fn a_heading_that_is_off_by_more_than_3_sigma_is_not_held_whatever_the_position() {
+    let stated = gaussian(pose([0.0; 3]), Matrix3::from_diagonal(&Vector3::new(0.01, 0.04, 0.0025)));
+    let held = |truth: [f64; 3]| of_steps(&[(&stated, pose(truth))]).unwrap().within_3_sigma_share;
+    // 2.9 and 4 standard deviations along one axis at a time.
+    for (axis, sigma) in [0.1, 0.2, 0.05].into_iter().enumerate() {
+        let off = |sigmas: f64| [0, 1, 2].map(|one| if one == axis { sigmas * sigma } else { 0.0 });
+        assert_eq!((held(off(2.9)), held(off(-4.0))), (1.0, 0.0), "axis {axis}");
+    }
+}
+
+#[test]
+fn regions_of_a_sample_have_the_sizes_worked_out_by_hand() {
+    // 1000 poses at even areas of a disc with the radius 1 m, at angles that differ by the golden angle of 2.399963 rad. The headings are −0.5, −0.499,
+    // … 0.499 rad in mixed order: from the 25th to the 975th there are 0.95 rad.
+    let sample = |index: u32| {
+        let (radius_m, angle_rad) = ((f64::from(index + 1) / 1000.0).sqrt(), 2.399963 * f64::from(index));
+        let heading_rad = f64::from(index * 387 % 1000) / 1000.0 - 0.5;
+        WeightedPose { pose: pose([radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), heading_rad]), weight: 1.0 }
+    };
+    let stated = Stated::of(&Answer::Samples((0..1000).map(sample).collect())).unwrap();
+    let region = of_steps(&[(&stated, pose([0.0; 3]))]).unwrap().region_95;
+    assert!((region.heading_rad.mean - 0.95).abs() < 1e-9, "{}", region.heading_rad.mean);
+    // 95 % of the poses are within 95 % of the disc's area.
+    assert!((region.area_m2 - 0.95 * PI).abs() < 0.01 * PI, "{}", region.area_m2);
+}
