@@ -164,3 +164,36 @@ fn known(names: Option<Vec<String>>) -> Result<Vec<Assumption>, String> {
     let unknown = |name: &String| format!("`relies_on` that names `{name}`, expected declared bounds");
     names.iter().map(|name| of_name(name).ok_or_else(|| unknown(name))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_with_a_number_that_is_not_finite_is_refused() {
+        let diagonal = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut covariance = diagonal;
+            covariance[1][1] = wrong;
+            for answer in [
+                ForeignAnswer::Point([0.0, wrong, 0.0]),
+                ForeignAnswer::Gaussian { mean: [wrong, 0.0, 0.0], covariance: diagonal },
+                ForeignAnswer::Gaussian { mean: [0.0; 3], covariance },
+                ForeignAnswer::Gaussian { mean: [0.0; 3], covariance: [[wrong; 3]; 3] },
+                ForeignAnswer::Samples(vec![[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, wrong, 1.0]]),
+                ForeignAnswer::Samples(vec![[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, wrong]]),
+                ForeignAnswer::Boxes {
+                    boxes: vec![[[0.0, 1.0], [0.0, 1.0], [0.0, wrong]]],
+                    is_recovering: false,
+                    relies_on: None,
+                },
+            ] {
+                let refusal = answer.clone().checked(1.0);
+                let is_refused = refusal.as_ref().is_err_and(|reason| reason.ends_with("expected finite numbers"));
+                assert!(is_refused, "{answer:?}: {refusal:?}");
+            }
+        }
+        let sound = ForeignAnswer::Gaussian { mean: [0.0; 3], covariance: diagonal };
+        assert!(sound.checked(1.0).is_ok());
+    }
+}

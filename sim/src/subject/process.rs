@@ -192,3 +192,36 @@ impl Subject for ForeignProcess {
 fn nowhere() -> Answer {
     Answer::Point(Pose::default())
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use interval::Interval;
+
+    use super::*;
+
+    fn process(command: &str) -> ForeignProcess {
+        let text = "duration_s = 5.0\n[room]\nwidth_m = 6.0\ndepth_m = 6.0\n[start]\nx_m = 1.0\ny_m = 3.0\n[localizer]\n\
+                    methods = []\n[[route.waypoint]]\nx_m = 3.0\ny_m = 3.0\n";
+        let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+        ForeignProcess::start(command, Duration::from_secs(10), &scene)
+    }
+
+    #[test]
+    fn each_drive_counts_its_turns_from_its_own_start() {
+        let line = r#"echo '{"time_s":1,"pose":[0,0,0.1]}'"#;
+        let mut process = process(&format!("{line}; {line}; cat >/dev/null"));
+        // The heading of 0.1 rad nearest to 6.2 rad is a turn further.
+        for (start_rad, heading_rad) in [(6.2, 0.1 + std::f64::consts::TAU), (0.0, 0.1)] {
+            process.start(&PoseBox::from([0.0, 0.0, start_rad].map(Interval::point)));
+            let Answer::Point(pose) = process.estimate_at(1.0) else { panic!("no point") };
+            assert!((pose.heading_rad - heading_rad).abs() < 1e-12, "{pose:?}: {:?}", process.failure());
+        }
+    }
+
+    #[test]
+    fn a_process_has_time_to_end_after_its_last_answer() {
+        let mut process = process("cat >/dev/null; sleep 0.3; echo all is written >&2");
+        assert_eq!(process.end().as_deref(), Some("all is written\n"));
+    }
+}

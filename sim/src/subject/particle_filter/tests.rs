@@ -1,4 +1,134 @@
-use super::resampling::{N_SAMPLES, low_variance, n_by_kld};
+use interval::Interval;
+use nalgebra::Matrix3;
+
+use super::{
+    super::{cues::Mount, mean_of},
+    resampling::{N_SAMPLES, low_variance, n_by_kld},
+    *,
+};
+
+/// Samples of a start known to half a metre along either axis and to 0.3 rad, with a gyroscope's bias of 0.01 rad/s.
+fn start() -> Cloud {
+    let mut cloud = Cloud::new(stream(1, "a cloud"));
+    let side = Interval::centred(0.0, 0.5);
+    cloud.draw_start(&PoseBox::from([side, side, Interval::centred(0.0, 0.3)]), 0.01);
+    cloud
+}
+
+/// Weighted mean and standard deviation of a quantity of the samples, and the number of its values.
+fn spread(cloud: &Cloud, of: impl Fn(&Sample) -> f64) -> (f64, f64, usize) {
+    let mean = cloud.mean_of(&of);
+    let mut values: Vec<u64> = cloud.samples.iter().map(|sample| of(sample).to_bits()).collect();
+    values.sort_unstable();
+    values.dedup();
+    (mean, cloud.mean_of(&|sample| (of(sample) - mean).powi(2)).sqrt(), values.len())
+}
+
+#[test]
+fn a_position_to_the_millimetre_leaves_many_samples_that_are_spread_as_it_says() {
+    let mut cloud = start();
+    let (x_m, y_m, sigma_m) = (0.2, -0.1, 0.001);
+    cloud.weigh(&|sample| {
+        -0.5 * ((sample.pose[0] - x_m).powi(2) + (sample.pose[1] - y_m).powi(2)) / (sigma_m * sigma_m)
+    });
+    for (axis, by_hand_m) in [x_m, y_m].into_iter().enumerate() {
+        let (mean_m, spread_m, n_values) = spread(&cloud, |sample| sample.pose[axis]);
+        assert!((mean_m - by_hand_m).abs() < 0.3 * sigma_m, "{mean_m}");
+        assert!((0.75..1.3).contains(&(spread_m / sigma_m)) && n_values > 200, "{spread_m} of {n_values} values");
+    }
+    // The position tells neither the heading nor the bias, whose standard deviations stay as they were but for what chance makes of some drawings.
+    for (name, sigma, (mean, spread, n_values)) in [
+        ("heading", 0.1, spread(&cloud, |sample| sample.pose[2])),
+        ("bias", 0.01, spread(&cloud, |sample| sample.bias_rad_per_s)),
+    ] {
+        assert!(mean.abs() < sigma && (0.5..1.6).contains(&(spread / sigma)), "{name}: {mean}, {spread}");
+        assert!(n_values > 200, "{name}: {n_values} values");
+    }
+}
+
+/// A cloud known to a centimetre, at the origin.
+fn dense() -> Cloud {
+    let mut cloud = Cloud::new(stream(2, "a cloud"));
+    let side = Interval::centred(0.0, 0.03);
+    cloud.draw_start(&PoseBox::from([side; 3]), 0.0);
+    cloud
+}
+
+#[test]
+fn a_measurement_far_off_is_as_likely_from_anywhere_and_moves_no_sample() {
+    let known = Known { tiles: None, wall_directions_rad: &[], area_m2: 96.0, scale: 1.0 };
+    let exact = Mount { sigma: [0.0; 3] };
+    let position = Seen::Position { in_robot_m: [0.0; 2], in_world_m: [0.2, 0.0], sigma_m: 0.01 };
+    let covariance = Matrix3::from_diagonal_element(1e-4);
+    let marker = Seen::Pose { pose: [0.2, 0.0, 0.0], covariance };
+    // A share of 0.05 of the measurements is wrong: anywhere in 96 m², and a pose turned in any way. 10 and 20 standard deviations off a right one has
+    // at most e^−50 of its peak.
+    for (seen, anywhere) in [(&position, 96.0), (&marker, 96.0 * 2.0 * PI)] {
+        let likelihood = likelihood(seen, exact, &known, 0.0).unwrap();
+        for x_m in [0.1, 0.0] {
+            let log = likelihood([x_m, 0.0, 0.0]);
+            assert!((log - (0.05 / anywhere).ln()).abs() < 1e-9, "{log} at {x_m} m");
+        }
+        let mut cloud = dense();
+        let before = cloud.mean_of(&|sample| sample.pose[0]);
+        cloud.weigh(&|sample| likelihood(sample.pose));
+        let moved_m = cloud.mean_of(&|sample| sample.pose[0]) - before;
+        assert!(moved_m.abs() < 1e-4, "{moved_m} m");
+    }
+}
+
+/// A filter in a yard with a satellite receiver, in which the robot is near (2, 2) and looks along x.
+fn filter() -> ParticleFilter {
+    let text = "duration_s = 5.0\n[room]\nwidth_m = 12.0\ndepth_m = 8.0\n[start]\nx_m = 2.0\ny_m = 2.0\ntolerance_m = 0.5\n\
+                [robot]\nfloor_camera = false\n[robot.gnss]\nforward_m = 0.0\nleft_m = 0.0\nheight_m = 0.6\n\
+                [localizer]\nmethods = [\"gnss_positions\"]\n[[route.waypoint]]\nx_m = 4.0\ny_m = 2.0\n";
+    let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    ParticleFilter::of(&scene, Tuning::default(), "pf".to_owned())
+}
+
+fn position(x_m: f64, y_m: f64, sigma_m: f64) -> Seen {
+    Seen::Position { in_robot_m: [0.0; 2], in_world_m: [x_m, y_m], sigma_m }
+}
+
+/// Steps straight ahead at 1 m/s.
+fn drive(filter: &mut ParticleFilter, tenths: std::ops::RangeInclusive<i32>) {
+    for tenth in tenths {
+        let stamp_s = 0.1 * f64::from(tenth);
+        filter.step(&Step { stamp_s, span_s: 0.1, rolled_m: [0.1; 2], turned: None, flowed_m: None });
+    }
+}
+
+fn mean_at(filter: &ParticleFilter, time_s: f64) -> Pose {
+    let Answer::Samples(samples) = filter.estimate_at(time_s) else { panic!("no samples") };
+    mean_of(&samples)
+}
+
+#[test]
+fn a_late_position_is_compared_with_where_the_robot_was() {
+    let [mut in_time, mut late] = [(); 2].map(|()| filter());
+    drive(&mut in_time, 1..=2);
+    in_time.weigh(0.2, Mounted::Antenna, &position(2.3, 2.05, 0.01));
+    drive(&mut in_time, 3..=5);
+    drive(&mut late, 1..=5);
+    // A position that tells little brings the samples to the present.
+    late.weigh(0.5, Mounted::Antenna, &position(2.5, 2.0, 2.0));
+    late.weigh(0.2, Mounted::Antenna, &position(2.3, 2.05, 0.01));
+    // At 0.2 s the robot was at (2.3, 2.05), and has driven 0.3 m since.
+    for (name, filter) in [("in time", in_time), ("late", late)] {
+        let Pose { x_m, y_m, .. } = mean_at(&filter, 0.5);
+        assert!((x_m - 2.6).abs() < 0.005 && (y_m - 2.05).abs() < 0.005, "{name}: {x_m} {y_m}");
+    }
+}
+
+#[test]
+fn samples_that_were_carried_away_unseen_are_drawn_from_measured_positions() {
+    let mut filter = filter();
+    for (x_m, y_m) in [(2.1, 2.0), (5.0, 3.0)] {
+        (0..20).for_each(|_| filter.weigh(0.0, Mounted::Antenna, &position(x_m, y_m, 0.02)));
+        let mean = mean_at(&filter, 0.0);
+        assert!((mean.x_m - x_m).abs() < 0.02 && (mean.y_m - y_m).abs() < 0.02, "{mean:?} at ({x_m}, {y_m})");
+    }
+}
 
 #[test]
 fn low_variance_resampling_draws_each_sample_as_often_as_its_weight_says() {

@@ -275,4 +275,17 @@ mod tests {
         // A process that nobody has waited for would still have its entry.
         assert!(!std::path::Path::new(&entry).exists());
     }
+
+    #[test]
+    fn a_process_that_hangs_is_waited_for_as_long_as_its_limit() {
+        let (mut running, _pipe) = Running::start("sleep 1000").unwrap();
+        let limit = Duration::from_secs(1);
+        let began = Instant::now();
+        assert_eq!(running.line(limit), Err("it gave no answer within 1 s".to_owned()));
+        let answered = began.elapsed();
+        assert!(!running.ends_within(limit));
+        for waited in [answered, began.elapsed() - answered] {
+            assert!(waited >= limit && waited < 2 * limit, "{waited:?}");
+        }
+    }
 }
