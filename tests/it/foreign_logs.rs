@@ -424,7 +424,18 @@ fn the_command_writes_a_folder_that_a_report_opens_and_ends_with_the_codes_it_pr
     assert_eq!((code, json.as_bytes() == first), (0, true), "the same log gives the same bytes");
     let (code, _, stderr) = outcome(&mut wherein(&folder, &["report", "out"]));
     assert_eq!(code, 0, "{stderr}");
-    assert!(fs::read_to_string(folder.join("out/report.html")).unwrap().contains("wheels_mcap"));
+    let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
+    for part in ["wheels_mcap", "/joint_states: ", "wheels.slip: kept", "replay --robot ", "<dt>outside</dt>"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(!page.contains("<dt>unsound</dt>"), "no cause is known for what is outside in a log");
+    let filtered = ["replay", "--robot", robot, log, "--out", "filtered", "--subject", "ekf"];
+    let (_, text, stderr) = outcome(&mut wherein(&folder, &filtered));
+    assert!(text.contains("mean NEES "), "{stderr}{text}");
+    let summary = fs::read_to_string(folder.join("filtered/wheels_mcap/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert!(summary["distribution"]["checks"].as_u64().unwrap() > 20 && summary["containment"].is_null(), "{summary}");
+    assert!(summary["distribution"]["nees"]["mean"].as_f64().unwrap() < 30.0);
     let (code, _, stderr) = outcome(&mut wherein(&folder, &["replay", "--robot", robot, "none.mcap"]));
     assert_eq!(code, 2, "{stderr}");
     assert!(stderr.contains("failed to read log none.mcap"), "{stderr}");

@@ -193,14 +193,14 @@ fn a_landmark_that_is_seen_again_ties_the_pose_to_where_it_was_first_seen() {
 
 #[test]
 fn the_gate_widens_with_the_number_of_components() {
-    // Standard deviations of the residual: √(4 + 5) = 3 and √(4 + 12) = 4 m, √(0.01 + 0.03) = 0.2 rad. Tables of χ² at 99 % have 9.21 for two degrees
-    // of freedom and 11.34 for three.
+    // Standard deviations of the residual: √(4 + 5) = 3 and √(4 + 12) = 4 m, √(0.01 + 0.03) = 0.2 rad. As much of χ² as
+    // lies within three standard deviations of a Gaussian, 99.73 %, is below 11.83 with two degrees of freedom and below 14.16 with three.
     let noise = [5.0, 12.0, 0.03];
     for (residual, is_used) in [
-        (vec![6.0, 8.0], true),
-        (vec![6.0, 4.0 * 5.3_f64.sqrt()], false),
-        (vec![6.0, 8.0, 0.2], true),
-        (vec![6.0, 8.0, 0.2 * 3.4_f64.sqrt()], false),
+        (vec![6.0, 4.0 * 7.8_f64.sqrt()], true),
+        (vec![6.0, 4.0 * 7.9_f64.sqrt()], false),
+        (vec![6.0, 8.0, 0.2 * 6.1_f64.sqrt()], true),
+        (vec![6.0, 8.0, 0.2 * 6.2_f64.sqrt()], false),
     ] {
         let rows: Vec<_> = (0..residual.len()).map(|axis| vec![(axis, 1.0)]).collect();
         let noise = DMatrix::from_diagonal(&DVector::from_column_slice(&noise[..residual.len()]));
