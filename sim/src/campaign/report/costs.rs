@@ -172,8 +172,8 @@ mod tests {
 
     #[test]
     fn the_mean_over_two_runs_has_the_corridor_of_two_runs() {
-        // χ² at 2.5 % and 97.5 % is 0.216 and 9.348 with three degrees of freedom, and 1.237 and 14.449 with six: the mean of two runs is from 0.619 to
-        // 7.225. The means are 8, 0.5 and 7.
+        // χ² at 2.5 % and 97.5 % is 0.216 and 9.348 with three degrees of freedom, and 1.237 and 14.449 with six: the mean of two runs is from 0.619
+        // to 7.225. The means are 8, 0.5 and 7.
         let cases = [case("one", &[9.0, 0.4, 13.0]), case("other", &[7.0, 0.6, 1.0])];
         let share = in_corridor_share(&cases.iter().collect::<Vec<_>>());
         cases.iter().for_each(|case| fs::remove_dir_all(&case.folder).unwrap());

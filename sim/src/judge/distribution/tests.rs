@@ -210,8 +210,8 @@ fn a_heading_that_is_off_by_more_than_3_sigma_is_not_held_whatever_the_position(
 
 #[test]
 fn regions_of_a_sample_have_the_sizes_worked_out_by_hand() {
-    // 1000 poses at even areas of a disc with the radius 1 m, at angles that differ by the golden angle of 2.399963 rad. The headings are −0.5, −0.499,
-    // … 0.499 rad in mixed order: from the 25th to the 975th there are 0.95 rad.
+    // 1000 poses at even areas of a disc with the radius 1 m, at angles that differ by the golden angle of 2.399963 rad. The headings are −0.5,
+    // −0.499, … 0.499 rad in mixed order: from the 25th to the 975th there are 0.95 rad.
     let sample = |index: u32| {
         let (radius_m, angle_rad) = ((f64::from(index + 1) / 1000.0).sqrt(), 2.399963 * f64::from(index));
         let heading_rad = f64::from(index * 387 % 1000) / 1000.0 - 0.5;

@@ -61,8 +61,8 @@ fn a_measurement_far_off_is_as_likely_from_anywhere_and_moves_no_sample() {
     let position = Seen::Position { in_robot_m: [0.0; 2], in_world_m: [0.2, 0.0], sigma_m: 0.01 };
     let covariance = Matrix3::from_diagonal_element(1e-4);
     let marker = Seen::Pose { pose: [0.2, 0.0, 0.0], covariance };
-    // A share of 0.05 of the measurements is wrong: anywhere in 96 m², and a pose turned in any way. 10 and 20 standard deviations off a right one has
-    // at most e^−50 of its peak.
+    // A share of 0.05 of the measurements is wrong: anywhere in 96 m², and a pose turned in any way. 10 and 20 standard deviations off a right one
+    // has at most e^−50 of its peak.
     for (seen, anywhere) in [(&position, 96.0), (&marker, 96.0 * 2.0 * PI)] {
         let likelihood = likelihood(seen, exact, &known, 0.0).unwrap();
         for x_m in [0.1, 0.0] {
