@@ -19,6 +19,7 @@ mod related;
 mod relations;
 mod row;
 mod sighting;
+mod stray;
 #[cfg(test)]
 pub(crate) mod trial;
 mod way;
@@ -31,8 +32,9 @@ pub use hull::Hull;
 pub use key_frames::{KeyFrames, Place};
 pub use place::SeenPlace;
 pub use related::{BoxLabel, Readings, Related, RowLabel};
-pub use relations::{Disc, Relations, Stray};
+pub use relations::{Disc, Relations};
 pub use row::Row;
 pub use sighting::sighting_rows;
+pub use stray::Stray;
 pub use way::way_rows;
 pub use width::WidthParts;

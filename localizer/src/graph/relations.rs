@@ -2,9 +2,9 @@
 
 use interval::Interval;
 
-use crate::{PoseBox, robot::Reach};
+use crate::PoseBox;
 
-use super::{Domain, Row, Variable};
+use super::{Domain, Row, Stray, Variable};
 
 /// Two quantities that are together within a radius of (0, 0).
 pub type Disc = ([Variable; 2], f64);
@@ -44,25 +44,4 @@ pub trait Relations: Send + Sync {
     /// reading's quantities; rows of a landmark that the domain does not have are left out. The pose is that which the reading shows: it is displaced
     /// from the pose at the stamp by at most [`Relations::shift_m`], and turned by what the robot turns within the stamp's error.
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row>;
-}
-
-/// How far the robot can have moved and turned between the stamp of a reading and the instant at which the reading was truly taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stray {
-    /// Greatest distance between the robot's positions at the two instants.
-    pub metres: f64,
-    /// Greatest turn between the two instants.
-    pub radians: f64,
-}
-
-impl Stray {
-    /// The greatest change of a component of the pose: x (0), y (1) or heading (2).
-    pub fn of_axis(&self, axis: usize) -> f64 {
-        if axis < 2 { self.metres } else { self.radians }
-    }
-
-    /// What the robot's limits of speed and turn rate allow within a stamp's error.
-    pub fn by_reach(stamp_error_s: f64, reach: &Reach) -> Stray {
-        Stray { metres: stamp_error_s * reach.speed_m_per_s, radians: stamp_error_s * reach.turn_rate_rad_per_s }
-    }
 }

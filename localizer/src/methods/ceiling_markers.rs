@@ -34,9 +34,8 @@ use crate::{
 };
 
 use super::lean::{heading_off_rad, twist_of_tipped_rad};
-use group::SeenDot;
 use pose_contractor::Markers;
-use ray::Optics;
+use ray::{Optics, SeenDot};
 use relate::Dots;
 
 /// Declared bounds that a constraint from ceiling markers relies on.

@@ -27,12 +27,12 @@ use crate::{
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
 pub use flow_way::FlowWay;
-pub use gyro::{GyroHistory, SumSince, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
+pub use gyro::{GyroHistory, GyroTurn, SumSince, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
 pub use gyro_errors::GyroErrors;
 pub use integral::{KnownTurns, WheelIntegral};
 pub use odometry::PointOdometry;
 pub use slip_excess::SlipExcess;
-pub use way::{GyroTurn, Way};
+pub use way::Way;
 
 /// Longest time after the latest wheel reading for which motion is extrapolated from the readings. Beyond it the extrapolation's error, which
 /// grows with the square of time, exceeds the distance at greatest speed, which grows in proportion to time.

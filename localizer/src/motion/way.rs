@@ -26,7 +26,7 @@ use crate::{
 };
 
 use super::{
-    WheelHistory, WheelSample,
+    GyroTurn, WheelHistory, WheelSample,
     gyro::TurnStep,
     integral::{KnownTurns, WheelIntegral, midpoint_remainder},
 };
@@ -55,19 +55,6 @@ pub struct Way {
     pub lateral_m: Interval,
     /// What the gyroscope tells of the turn; `None` without a gyroscope, and before its first reading.
     pub gyro: Option<GyroTurn>,
-}
-
-/// What the gyroscope tells of the turn between two stamps: enclosures of scale·turn + bias·span.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GyroTurn {
-    /// With the mean bias of this span, when the noise of each reading is bounded on its own.
-    pub by_reading_rad: Interval,
-    /// The readings' sum: scale·turn + bias·span + u(end) − u(start) is within this interval, where bias is that of the whole run. The angle error
-    /// accumulated since the run's start is u(t) + v(t): |u| is at most half of the constant part of the bound `gyro.angle`, and v changes by at most
-    /// the bound's other part per second. The change of v is within this interval.
-    pub summed_rad: Interval,
-    /// The part of the half widths of both that comes from the change of the turn rate, where readings count only in part or are missing.
-    pub bend_rad: f64,
 }
 
 impl WheelHistory {

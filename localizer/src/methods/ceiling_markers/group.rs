@@ -9,14 +9,7 @@ use interval::{Interval, IntervalBox, contractor::Contractor};
 use crate::rigid_motion::{LinearPose, RigidPlanar};
 
 use super::pairs;
-use super::ray::{BODY_TILT, DOT_HEIGHT, MOUNT_TILT, N_PARAMETERS, PIXEL, Sight};
-
-/// Dot of a marker as the camera sees it, with its place in the world. The errors that all dots of the group share are not included.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SeenDot {
-    pub(super) sight: Sight,
-    pub(super) in_world_m: [Interval; 2],
-}
+use super::ray::{BODY_TILT, MOUNT_TILT, N_PARAMETERS, SeenDot, Sight, is_own};
 
 /// Group of dots with a common shift.
 #[derive(Clone, Debug)]
@@ -108,12 +101,6 @@ impl Group {
     fn unshifted(&self, shifted: &IntervalBox<3>, pose: &IntervalBox<3>) -> IntervalBox<3> {
         self.shifted(shifted, shifted[2]).intersect(pose)
     }
-}
-
-/// Whether an error parameter is each dot's own and not shared by the group: the error of the dot's pixel, and, where the group has several
-/// markers, the height of the dot's marker.
-pub(super) fn is_own(parameter: usize, is_one_marker: bool) -> bool {
-    PIXEL.contains(&parameter) || (parameter == DOT_HEIGHT && !is_one_marker)
 }
 
 /// Place of a dot in the apparent frame, without the common part of the error parameters' effects.

@@ -7,10 +7,7 @@
 
 use interval::Interval;
 
-use super::{
-    group::{SeenDot, is_own},
-    ray::{BODY_TILT, MOUNT_TILT, N_PARAMETERS},
-};
+use super::ray::{BODY_TILT, MOUNT_TILT, N_PARAMETERS, SeenDot, is_own};
 
 /// Share of the longest distance between two marker dots. A pair of dots nearer to each other than that is left out: it tells nothing about
 /// the heading that longer pairs do not tell better.

@@ -3,7 +3,7 @@
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
 
-use super::group::{Group, SeenDot};
+use super::{group::Group, ray::SeenDot};
 
 /// Contractor on the pose that assumes that all but at most `q_items` of the seen markers are what the map says.
 ///

@@ -64,6 +64,19 @@ pub(super) struct Sight {
     pub(super) deviations: [Interval; N_PARAMETERS],
 }
 
+/// Dot of a marker as the camera sees it, with its place in the world. The errors that all dots of the group share are not included.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenDot {
+    pub(super) sight: Sight,
+    pub(super) in_world_m: [Interval; 2],
+}
+
+/// Whether an error parameter is each dot's own and not shared by a group of dots: the error of the dot's pixel, and, where the group has several
+/// markers, the height of the dot's marker.
+pub(super) fn is_own(parameter: usize, is_one_marker: bool) -> bool {
+    PIXEL.contains(&parameter) || (parameter == DOT_HEIGHT && !is_one_marker)
+}
+
 impl Optics {
     pub(super) fn new(camera: &CeilingCameraModel, body: &BodyModel) -> Optics {
         let mut parameters = [Interval::ZERO; N_PARAMETERS];

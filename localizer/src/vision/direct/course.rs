@@ -1,6 +1,14 @@
 //! Fits the straight course of a tile joint through the positions measured along it, in spite of outliers.
 
-use super::measure::Sighting;
+use super::joint_filter::Fit;
+
+/// One measured position of a tile joint: the fit of the joint's model to the profile at one position along the line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sighting {
+    pub(super) along_px: f64,
+    pub(super) blur_px: f64,
+    pub(super) fit: Fit,
+}
 
 /// Straight line fitted to a tile joint, relative to the roughly known candidate line of the joint: `across = slope·along + intercept`, both in
 /// pixels.

@@ -1,8 +1,8 @@
 //! Measures a candidate line at full resolution: decides whether it is a tile joint, where exactly it lies, and which of its points can be trusted.
 
 use super::Picture;
-use super::course::Course;
-use super::joint_filter::{Fit, JointFilter};
+use super::course::{Course, Sighting};
+use super::joint_filter::JointFilter;
 use super::profile::{Profiles, profiles};
 use super::vote::Candidate;
 
@@ -91,14 +91,6 @@ impl Filters {
             JointFilter::new(width_px, index as f64, REACH_PX, half)
         })
     }
-}
-
-/// One measured position of a tile joint: the fit of the joint's model to the profile at one position along the line.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sighting {
-    pub(super) along_px: f64,
-    pub(super) blur_px: f64,
-    pub(super) fit: Fit,
 }
 
 impl Sighting {
