@@ -7,10 +7,13 @@ use std::{
 
 use ::localizer::{Pose, PoseBox, Reading};
 use numpy::{PyArray2, ndarray::Array2};
-use pyo3::{exceptions::PyException, prelude::*};
+use pyo3::{
+    exceptions::{PyException, PyValueError},
+    prelude::*,
+};
 use sim::{
     scene::Scene,
-    subject::{Answer, Failure, GivenReading, Subject, device, turned_to},
+    subject::{Added, Answer, Failure, GivenReading, Subject, SubjectChoice, device, turned_to},
 };
 
 use crate::{answers, cues, reading, stop::Stop};
@@ -139,4 +142,21 @@ impl Subject for Called {
     fn end(&mut self) -> Option<String> {
         self.log.get().cloned()
     }
+}
+
+/// The localizer under test: a name or a command as after `--subject`, or a class or function that makes a localizer in Python. An exception of that
+/// localizer which is no error of it, such as KeyboardInterrupt, sets `stop`.
+pub(crate) fn subject_choice(subject: Option<&Bound<'_, PyAny>>, stop: &Stop) -> PyResult<SubjectChoice> {
+    let Some(subject) = subject else { return Ok(SubjectChoice::default()) };
+    if let Ok(name) = subject.extract::<String>() {
+        return name.parse().map_err(|reason| PyValueError::new_err(format!("subject: {name}: {reason}")));
+    }
+    if !subject.is_callable() {
+        let found = subject.repr()?;
+        return Err(PyValueError::new_err(format!("subject: expected a name, a command or a class, found {found}")));
+    }
+    let name = subject.getattr("__name__").and_then(|name| name.extract()).unwrap_or_else(|_| "python".to_owned());
+    let make = Arc::new(subject.clone().unbind());
+    let (called, stop) = (name.clone(), stop.clone());
+    Ok(SubjectChoice::Added(Added::of_user(name, move |scene| Box::new(Called::new(&make, &called, scene, &stop)))))
 }

@@ -18,7 +18,8 @@ use sim::{
 };
 
 use crate::{
-    asked::{frames_policy, scene_file, subject_choice, toml_of},
+    asked::{frames_policy, scene_file, toml_of},
+    called::subject_choice,
     errors::{self, WhereinError},
     stop::{Stop, interruptible},
 };

@@ -6,7 +6,7 @@ use image::{GrayImage, RgbImage};
 use localizer::Reading;
 
 use crate::{
-    artefacts::run_files::{RecordError, naming},
+    artefacts::files::{RecordError, naming},
     loading::SceneFile,
     run::{ImageRecord, RunRecord},
     scene::RangeCamera,

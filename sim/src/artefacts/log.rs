@@ -2,7 +2,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | `source`, `mcap_file`, `bag_database`, `sqlite` | from files to messages |
+//! | `source`, `mcap_file`, `bag_database`, `sqlite`, `raw_message` | from files to messages |
 //! | `topics`, `messages`, `gathered`, `account` | from messages to values with checked stamps, and what was dropped for what reason |
 //! | `motion`, `pictures`, `geodesy`, `lenses` | from values to readings, and to the robot as the localizer is told it |
 //! | `player` | from readings to estimates |
@@ -24,6 +24,7 @@ mod messages;
 mod motion;
 mod pictures;
 mod player;
+mod raw_message;
 mod report;
 mod source;
 mod sqlite;
@@ -47,9 +48,10 @@ use gathered::{Gathered, Manner, Stamped};
 use lenses::LensFound;
 use motion::Motion;
 use player::Player;
-use report::Told;
+use raw_message::RawMessage;
 pub use report::{LogReplay, log_text};
-use source::{RawMessage, Source};
+use report::Told;
+use source::Source;
 use topics::{Choice, Offered, Role};
 use truth::TruePath;
 

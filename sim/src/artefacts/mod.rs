@@ -3,7 +3,10 @@
 //!
 //! | module | what it writes or reads |
 //! |---|---|
-//! | [`run_files`] | the folder of one run: `summary.json`, trajectories, boxes, steps |
+//! | `files` | where the folder of a run is, and the error of writing |
+//! | `digest` | what identifies a scene, a run and this program |
+//! | `summary` | the files `summary.json` and `timing.json` |
+//! | [`run_files`] | the folder of one run: its summary, trajectories, boxes, steps |
 //! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
 //! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
 //! | [`log`] | a log that another program recorded, whose readings it gives to a localizer |
@@ -12,6 +15,9 @@
 //! | [`machine`] | the description in words of the computer that ran, which result files name |
 //! | [`marker_sheet`](mod@marker_sheet) | ceiling markers to print, as a PDF file |
 
+mod files;
+mod digest;
+mod summary;
 pub mod run_files;
 pub mod recording;
 pub mod replay;

@@ -17,6 +17,13 @@ pub(crate) use pool::{methods, pool};
 
 pub use layout::{as_markdown, as_text};
 
+/// Beginning of the line of a document below which a results table stands. Between this text and `-->` the line may list beginnings of the names of
+/// scenes that the table shows, and options.
+pub(crate) const BEGIN: &str = "<!-- results:begin";
+
+/// Line of a document at which a results table ends.
+pub(crate) const END: &str = "<!-- results:end -->";
+
 /// The outcome of one run, taken from its summary and its timing.
 #[derive(Clone, Debug)]
 pub struct Outcome {

@@ -23,7 +23,6 @@ use std::{
 
 use localizer::Estimate;
 use serde_json::Value;
-use thiserror::Error;
 
 use crate::{
     artefacts::{debug_frames, recording::Recording},
@@ -32,42 +31,19 @@ use crate::{
     run::RunRecord,
 };
 
-mod digest;
 mod errands;
 mod found;
 mod marker_tables;
 mod poses;
-mod summary;
 
-pub(crate) use digest::estimates_digest;
-pub(crate) use digest::is_library;
-pub use digest::{program_digest, run_as_library, scene_digest};
+pub(crate) use super::digest::{estimates_digest, is_library};
+pub use super::digest::{program_digest, run_as_library, scene_digest};
+pub(crate) use super::files::naming;
+pub use super::files::{RecordError, folder};
+pub(crate) use super::summary::width_of;
+pub use super::summary::{Summary, Timing, subject_of, width_by_bound};
 pub use found::run_folders;
 pub(crate) use poses::poses_tum;
-pub(crate) use summary::width_of;
-pub use summary::{Summary, Timing, subject_of, width_by_bound};
-
-/// Reason why a run cannot be recorded. The error's text is phrased to follow "failed to".
-#[derive(Debug, Error)]
-#[error("{action} {}: {source}", path.display())]
-pub struct RecordError {
-    /// The action that failed.
-    pub action: &'static str,
-    /// The file or folder for which the action failed.
-    pub path: PathBuf,
-    /// Error that the system reported.
-    pub source: io::Error,
-}
-
-/// Adds `action` and `path` to the error of a file operation.
-pub(crate) fn naming<T>(action: &'static str, path: &Path, result: io::Result<T>) -> Result<T, RecordError> {
-    result.map_err(|source| RecordError { action, path: path.to_owned(), source })
-}
-
-/// Path of the folder of one run.
-pub fn folder(out: &Path, scene: &str, seed: u64) -> PathBuf {
-    out.join(scene).join(seed.to_string())
-}
 
 /// Creates `out` and makes sure that files can be written into it, so that hours of simulation are not lost at the end.
 pub fn prepare(out: &Path) -> Result<(), RecordError> {

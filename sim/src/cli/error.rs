@@ -6,14 +6,12 @@ use std::{
 };
 
 use crate::{
-    artefacts::{log::LogError, recording::LiveError, replay::ReplayError, run_files::RecordError},
+    artefacts::{log::LogError, recording::LiveError, replay::ReplayError, result_table, run_files::RecordError},
     campaign::{comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError},
     loading::UpgradeError,
     render::RenderError,
     scene::SceneError,
 };
-
-use super::table;
 
 /// Why a command could not be carried out. The text of the error follows "failed to".
 #[derive(Debug, thiserror::Error)]
@@ -44,7 +42,7 @@ pub(super) enum CommandError {
     NoPairs(PathBuf, PathBuf),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
-    #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
+    #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), result_table::BEGIN, result_table::END)]
     NoMarkers(PathBuf),
     #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]
     SeveralScenes { path: PathBuf, count: usize },

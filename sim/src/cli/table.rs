@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 use clap::Args;
 
 use crate::artefacts::{
-    result_table::{Kind, Outcome, as_markdown, lines},
+    result_table::{BEGIN, END, Kind, Outcome, as_markdown, lines},
     run_files::{self, naming, run_folders},
 };
 
@@ -24,15 +24,8 @@ pub(super) struct TableArguments {
     into: Option<PathBuf>,
 }
 
-/// Beginning of the line of a document below which a results table stands. Between this text and `-->` the line may list beginnings of the names of
-/// scenes that the table shows, and the option [`NO_BASELINES`].
-pub(super) const BEGIN: &str = "<!-- results:begin";
-
 /// Option that leaves out of a results table the rows of the baselines: odometry alone and other methods on the same readings.
 const NO_BASELINES: &str = "--no-baselines";
-
-/// Line of a document at which a results table ends.
-pub(super) const END: &str = "<!-- results:end -->";
 
 /// Prints the results table, or puts it into a document.
 pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {

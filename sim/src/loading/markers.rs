@@ -1,6 +1,6 @@
 //! Lays out ceiling markers where a scene asks for it.
 
-use super::parse::Contradiction;
+use super::contradiction::Contradiction;
 use crate::{
     loading::coverage::{Ceiling, Field, Unlaid, reach, smallest_kept},
     scene::{Marker, Scene, UNDER_CEILING_M},

@@ -1,6 +1,6 @@
 //! Reads the text of a scene and makes a valid `Scene` of it.
 
-use std::{ops::Range, path::Path};
+use std::path::Path;
 
 use serde::Deserialize;
 use toml::{
@@ -10,10 +10,10 @@ use toml::{
 
 use crate::{
     place::navigation::map_server,
-    scene::{Scene, SceneError, Sources, conform, error::Problem},
+    scene::{Scene, SceneError, Sources, conform, problem::Problem},
 };
 
-use super::places;
+use super::{contradiction::Contradiction, places};
 
 impl Scene {
     /// Reads the text of a scene. Errors name the text by `file`; a map that the scene names lies beside that file.
@@ -90,46 +90,4 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
     let unreadable = |error| Contradiction { key: "navigation.map".to_owned(), expected: format!("failed to {error}") };
     navigation.surveyed = Some(map_server::read(&folder.join(map)).map_err(unreadable)?);
     Ok(())
-}
-
-/// A contradiction: something that a scene states in the right form but that is impossible.
-pub(super) struct Contradiction {
-    /// Dotted path of the key of the scene that states something impossible.
-    pub(super) key: String,
-    /// What is wrong, and what was expected.
-    pub(super) expected: String,
-}
-
-impl Contradiction {
-    fn in_text(self, document: &Spanned<DeTable<'_>>, text: &str) -> Problem {
-        let (span, is_value) = locate(document.get_ref(), &self.key);
-        let value = is_value.then(|| conform::excerpt(&text[span.clone()]));
-        Problem { key: self.key, value, expected: self.expected, span, help: None, file: None }
-    }
-}
-
-/// Range of bytes in the scene's text of the value of `key`. If the file does not state the key, the range is that of the innermost table around it
-/// that the file has. The flag says whether the range is that of the value.
-fn locate(document: &DeTable<'_>, key: &str) -> (Range<usize>, bool) {
-    let mut table = document;
-    let mut span = 0..0;
-    for part in key.split('.') {
-        let (name, index) = match part.split_once('[') {
-            Some((name, index)) => (name, index.trim_end_matches(']').parse::<usize>().ok()),
-            None => (part, None),
-        };
-        let Some(mut value) = table.get(name) else { return (span, false) };
-        if let (Some(index), DeValue::Array(array)) = (index, value.get_ref()) {
-            match array.get(index) {
-                Some(item) => value = item,
-                None => return (value.span(), false),
-            }
-        }
-        span = value.span();
-        match value.get_ref() {
-            DeValue::Table(inner) => table = inner,
-            _ => return (span, true),
-        }
-    }
-    (span, false)
 }

@@ -8,7 +8,7 @@ mod markers;
 mod sensors;
 mod things;
 
-use super::parse::Contradiction;
+use super::contradiction::Contradiction;
 use crate::{
     place::building::GroundPlan,
     scene::{Event, LocalizerSetup, Scene, conform::nearest},

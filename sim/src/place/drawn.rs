@@ -3,10 +3,7 @@
 
 use localizer::bounds::{self, Assumption};
 
-use crate::{
-    scene::Scene,
-    truth::randomness::{Repeated, stream},
-};
+use crate::scene::Scene;
 
 mod clip;
 pub mod markers;
@@ -16,9 +13,6 @@ mod walls;
 pub use markers::{DrawnDot, DrawnMarker};
 pub use tiles::LaidTiles;
 pub(crate) use walls::turn_from_nearest_deg;
-
-use super::building::GroundPlan;
-use walls::draw_walls;
 
 /// Declared bounds on floor, markers, furniture and walls that the true values may exceed, because they may be drawn or placed outside. A run can
 /// be repeated with the values moved back to the bound.
@@ -47,23 +41,6 @@ pub struct DrawnPlace {
     pub markers: Vec<DrawnMarker>,
 }
 
-impl DrawnPlace {
-    /// Draws the errors of floor, walls, furniture and markers for a run, each quantity from a random stream of its own.
-    pub fn draw(scene: &Scene, seed: u64) -> DrawnPlace {
-        let errors = scene.robot.errors;
-        DrawnPlace {
-            tiles: scene
-                .floor
-                .tiles
-                .as_ref()
-                .map(|tiles| LaidTiles::draw(tiles, GroundPlan::of(scene).extents_m(), errors, seed)),
-            furniture_turn_deg: draw_furniture(scene, seed),
-            walls_turn_deg: draw_walls(scene, seed),
-            markers: DrawnMarker::draw_all(scene, seed),
-        }
-    }
-}
-
 impl Scene {
     /// A copy of the scene with walls and furniture as they truly stand, for the physics and the cameras. The scene itself, the map and the
     /// localizer keep the stated positions.
@@ -75,11 +52,4 @@ impl Scene {
         built.turn_walls(drawn.walls_turn_deg);
         built
     }
-}
-
-fn draw_furniture(scene: &Scene, seed: u64) -> Vec<f64> {
-    let (tolerance_deg, errors) = (scene.building.furniture_tolerance_deg, scene.robot.errors);
-    // With the distribution `Drift` all pieces of furniture are askew by the same angle, so that they agree with each other.
-    let mut turn = Repeated::new(errors, stream(seed, "furniture"));
-    scene.furniture.iter().map(|_| turn.one_way(tolerance_deg)).collect()
 }

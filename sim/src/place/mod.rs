@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`drawn`] | tiles as laid, walls and furniture as they stand, markers as pasted |
 //! | [`building`] | walls, doors, furniture and people as faces |
+//! | `draw` | the random draw of what [`drawn`] holds, within what the ground plan leaves room for |
 //! | [`light`] | what lamps give, shadows, light from wall to wall, light maps |
 //! | `floor` | the floor under a point: friction, height, pile |
 //! | `sight` | what stands between two points |
@@ -12,6 +13,7 @@
 
 pub mod drawn;
 pub mod building;
+mod draw;
 pub mod light;
 pub(crate) mod floor;
 pub(crate) mod sight;

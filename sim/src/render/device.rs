@@ -1,20 +1,26 @@
 //! The graphics adapter: how it is chosen, and how its errors and hung waits become a `RenderError`.
 
 use std::{
-    sync::{Arc, Mutex, PoisonError, mpsc::RecvTimeoutError},
+    sync::{
+        Arc, Mutex, PoisonError,
+        mpsc::{Receiver, RecvTimeoutError},
+    },
     time::Duration,
 };
 
 use bytemuck::Pod;
 use wgpu::{Adapter, Backends, DeviceType};
 
-use super::{RenderError, target::Mapping};
+use super::RenderError;
 
 /// Environment variable that chooses an adapter by a part of its name, driver or backend.
 const ADAPTER_VARIABLE: &str = "WHEREIN_ADAPTER";
 
 /// Time after which a silent driver counts as hung; the pictures of a tick take milliseconds.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Receives the driver's answer whether the processor may read a staging buffer (its mapping); the answer comes when the device is polled.
+pub(super) type Mapping = Receiver<Result<(), wgpu::BufferAsyncError>>;
 
 /// An open graphics device, and the first error that its driver reported. Clones share the device.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ mod geometry;
 mod local;
 mod pipelines;
 
-pub(super) use cut::{Floor, LAMPLIGHT_PX};
+pub(super) use cut::Floor;
 
 use cut::{Cut, ViewOnDevice};
 use geometry::{BandInstance, TileInstance};

@@ -8,14 +8,16 @@ use bytemuck::{Pod, Zeroable};
 use super::{
     RenderError,
     device::Graphics,
-    floor::LAMPLIGHT_PX,
-    target::{LUMINANCE_FORMAT, linear},
+    texels::{LUMINANCE_FORMAT, linear},
 };
 use crate::optics::{Intrinsics, Lens};
 
 mod map;
 
 use map::LensMap;
+
+/// Number of points along each side of a picture at which lamplight is computed; they are 1 cm apart where a floor camera sees half a metre.
+pub(super) const LAMPLIGHT_PX: u32 = 65;
 
 /// Layout of the bindings that lens.wgsl reads in addition to those with the values of the sensor.
 pub(super) struct LensLayout {

@@ -31,12 +31,13 @@ mod light;
 mod photons;
 mod room;
 mod target;
+mod texels;
 
 pub use light::FloorLight;
 
 use device::Graphics;
 use floor::{Floor, FloorPass};
-use photons::PhotonPass;
+use photons::{PhotonPass, PictureMemory};
 use room::{RoomPass, RoomWorld};
 use target::{Levels, Target};
 
@@ -305,7 +306,7 @@ impl Renderer {
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for ((world, view), target) in views.iter().zip(&mut self.targets) {
-            let Target { floor, room, lens, .. } = target;
+            let Target { floor, room, lens, photons, levels, .. } = target;
             match (view.shows, &world.room) {
                 (Shows::Floor, _) => {
                     self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, lens)?
@@ -316,7 +317,8 @@ impl Renderer {
                 }
                 (Shows::Room, None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
-            self.photon_pass.draw(&self.graphics, &mut encoder, (&world.floor, view), target);
+            let of = PictureMemory { lens, room: room.as_ref(), photons, levels };
+            self.photon_pass.draw(&self.graphics, &mut encoder, (&world.floor, view), of);
         }
         // The pictures' grey levels are copied to readable buffers last, because a software driver waits at each copy for everything that was
         // drawn before.

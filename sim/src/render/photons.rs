@@ -8,12 +8,12 @@ use super::{
     Shows, View,
     device::Graphics,
     floor::Floor,
-    lens::LensLayout,
+    lens::{LensLayout, LensSlot},
     room::{
         RoomSlot,
         layouts::{Vertices, vertices},
     },
-    target::{Target, levels_format},
+    texels::levels_format,
 };
 use crate::scene::BitDepth;
 
@@ -41,6 +41,16 @@ pub(super) struct PhotonSlot {
     pattern_bindings: wgpu::BindGroup,
     /// Seed of the fixed pattern that the texture holds; `None` if it holds none.
     laid: Option<u64>,
+}
+
+/// Device memory of one picture, as the sensor pass reads and writes it.
+pub(super) struct PictureMemory<'a> {
+    pub(super) lens: &'a LensSlot,
+    /// The plates of a picture of a whole room.
+    pub(super) room: Option<&'a RoomSlot>,
+    pub(super) photons: &'a mut PhotonSlot,
+    /// Texture of grey levels, which the pass writes.
+    pub(super) levels: &'a wgpu::TextureView,
 }
 
 /// Properties of a picture to take (view) for which a graphics pipeline of the sensor is made.
@@ -157,34 +167,28 @@ impl PhotonPass {
         graphics: &Graphics,
         encoder: &mut wgpu::CommandEncoder,
         (floor, view): (&Floor, &View),
-        target: &mut Target,
+        of: PictureMemory<'_>,
     ) {
-        graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&readout(view)));
+        graphics.queue.write_buffer(&of.photons.uniform, 0, bytemuck::bytes_of(&readout(view)));
 
-        let lamplight = if view.shows == Shows::Floor { floor.lamplight_over(view, &target.lens) } else { None };
+        let lamplight = if view.shows == Shows::Floor { floor.lamplight_over(view, of.lens) } else { None };
         if let Some(lamplight) = &lamplight {
-            target.lens.write_lamplight(graphics, lamplight);
+            of.lens.write_lamplight(graphics, lamplight);
         }
         let kind = Kind::of(view, lamplight.is_some());
-        if kind.uneven && target.photons.laid != Some(view.noise.seed) {
-            whole_picture(
-                encoder,
-                &target.photons.pattern,
-                &self.lay_pattern,
-                &[&target.photons.pattern_bindings],
-                None,
-            );
-            target.photons.laid = Some(view.noise.seed);
+        if kind.uneven && of.photons.laid != Some(view.noise.seed) {
+            whole_picture(encoder, &of.photons.pattern, &self.lay_pattern, &[&of.photons.pattern_bindings], None);
+            of.photons.laid = Some(view.noise.seed);
         }
         let single = match view.shows {
             Shows::Floor => None,
-            Shows::Room => target.room.as_ref().and_then(RoomSlot::single_plate),
+            Shows::Room => of.room.and_then(RoomSlot::single_plate),
         };
-        let lens = single.unwrap_or(&target.lens.bindings);
+        let lens = single.unwrap_or(&of.lens.bindings);
         let layouts = [&self.readout_layout, &self.lens_layout.bindings];
         let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind));
-        let map = Some((&target.lens.map, target.lens.n_map_cells));
-        whole_picture(encoder, &target.levels, read_out, &[&target.photons.readout, lens], map);
+        let map = Some((&of.lens.map, of.lens.n_map_cells));
+        whole_picture(encoder, of.levels, read_out, &[&of.photons.readout, lens], map);
     }
 }
 

@@ -25,6 +25,7 @@ mod pipelines;
 mod people;
 mod plate;
 mod strips;
+mod walking;
 mod world;
 
 pub(super) use plate::RoomSlot;
@@ -33,10 +34,10 @@ pub(super) use world::RoomWorld;
 use faces::Run;
 use frustum::Frustum;
 use motion::{SubFrame, sub_frames};
-use people::run_of;
 use pipelines::{Pipelines, Use};
 use plate::ViewOnDevice;
 use strips::{long_side, strips};
+use walking::run_of;
 
 /// Luminance that an image holds where no face is visible: slightly less than any true luminance. edge.wgsl recognises cracks between faces
 /// by it and closes them; no sensor notices the difference.

@@ -1,34 +1,17 @@
 //! Device memory of one picture: luminance as drawn, and grey levels as read out.
 
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::channel;
 
 use super::{
     RenderError, View,
-    device::Graphics,
+    device::{Graphics, Mapping},
     floor::{FloorPass, FloorSlot},
     lens::LensSlot,
     photons::{PhotonPass, PhotonSlot},
     room::RoomSlot,
+    texels::levels_format,
 };
 use crate::{optics::Lens, scene::BitDepth};
-
-/// Texture format of luminance in cd/m², averaged over the exposure.
-pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
-
-/// A sampler that interpolates linearly between texels.
-pub(super) fn linear(device: &wgpu::Device) -> wgpu::Sampler {
-    device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("linear"),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    })
-}
-
-/// Texture format of grey levels: one byte each, or two.
-pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
-    if deep { wgpu::TextureFormat::R16Uint } else { wgpu::TextureFormat::R8Uint }
-}
 
 /// Buffers and bindings on the graphics device for one picture, kept from tick to tick.
 pub(super) struct Target {
@@ -51,9 +34,6 @@ pub(super) enum Levels {
     /// Grey levels from a sensor with more than eight bits.
     Deep(Vec<u16>),
 }
-
-/// Receives the driver's answer whether the processor may read a staging buffer (its mapping); the answer comes when the device is polled.
-pub(super) type Mapping = Receiver<Result<(), wgpu::BufferAsyncError>>;
 
 impl Target {
     pub(super) fn new(

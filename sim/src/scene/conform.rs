@@ -9,8 +9,8 @@ use toml::{
 };
 
 use super::{
-    error::Problem,
     moved::place_now,
+    problem::Problem,
     schema::{alternatives, choices, numbers, resolve, schema, type_name},
 };
 

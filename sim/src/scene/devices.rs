@@ -16,8 +16,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
-use super::Robot;
-
 pub use camera::{Band, Calibration, CameraKeys, CameraTiming, LensKeys, Looks, SharedKeys};
 pub use ceiling_camera::CeilingCamera;
 pub use delivery::Delivery;
@@ -88,15 +86,6 @@ macro_rules! define_methods {
         impl MethodName {
             /// All localization methods.
             pub(crate) const ALL: &[MethodName] = &[$(MethodName::$method,)+];
-        }
-
-        impl Robot {
-            /// Key of the device that `method` reads if this robot lacks that device, otherwise `None`.
-            pub(crate) fn lacks(&self, method: MethodName) -> Option<&'static str> {
-                match method {
-                    $(MethodName::$method => self.$device.is_none().then_some(concat!("robot.", stringify!($device))),)+
-                }
-            }
         }
     };
 }

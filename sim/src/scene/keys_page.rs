@@ -4,10 +4,7 @@ use std::{collections::VecDeque, fmt::Write};
 
 use serde_json::Value;
 
-use super::{
-    extend::EXTENDS,
-    schema::{alternatives, choices, numbers, resolve, schema, type_name},
-};
+use super::schema::{EXTENDS, alternatives, choices, numbers, resolve, schema, type_name};
 
 const HEAD: &str = "\
 # Keys of a scene

@@ -1,5 +1,6 @@
 //! The robot: its dimensions with the tolerances of their errors, and the devices fitted to it.
 
+use localizer::reading::Camera;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +79,40 @@ macro_rules! define {
 }
 
 with_every_kind!(define);
+
+macro_rules! define_lacks {
+    ($($(#[$doc:meta])+ $method:ident reads $device:ident,)+) => {
+        impl Robot {
+            /// Key of the device that `method` reads if this robot lacks that device, otherwise `None`.
+            pub(crate) fn lacks(&self, method: MethodName) -> Option<&'static str> {
+                match method {
+                    $(MethodName::$method => self.$device.is_none().then_some(concat!("robot.", stringify!($device))),)+
+                }
+            }
+        }
+    };
+}
+
+with_every_method!(define_lacks);
+
+impl Robot {
+    /// Names of the robot's cameras, in the order of [`Camera::ALL`].
+    pub fn cameras(&self) -> Vec<Camera> {
+        Camera::ALL.into_iter().filter(|name| self.camera(*name).is_some()).collect()
+    }
+
+    /// The robot's camera of this name; `None` if the robot does not have it.
+    pub fn camera(&self, name: Camera) -> Option<&dyn CameraKeys> {
+        fn keys(camera: &Option<impl CameraKeys>) -> Option<&dyn CameraKeys> {
+            camera.as_ref().map(|camera| camera as &dyn CameraKeys)
+        }
+        match name {
+            Camera::Floor => keys(&self.floor_camera),
+            Camera::Forward => keys(&self.forward_camera),
+            Camera::Ceiling => keys(&self.ceiling_camera),
+        }
+    }
+}
 
 /// Named robots that a scene can start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]

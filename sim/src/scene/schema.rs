@@ -5,7 +5,11 @@ use std::{iter, sync::OnceLock};
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
-use super::{Scene, extend::EXTENDS};
+use super::Scene;
+
+/// Explanation of the key `extends`, for the schema.
+pub(super) const EXTENDS: &str = "A file on whose keys this one builds, as a path from this file's folder. Tables merge key by key, and this file \
+wins; any other value, lists included, replaces the whole. `description` is never taken over, `[expect]` only as a whole.";
 
 /// Text of the schema, as in `scenes/schema.json`. It describes a single scene file, which may extend another file and then leave out keys.
 pub fn schema_text() -> String {

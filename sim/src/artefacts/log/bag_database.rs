@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{
-    source::{RawMessage, See},
+    raw_message::{RawMessage, See},
     sqlite::{Database, Seekable, SqliteError, Value},
 };
 

@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use super::{source::Damage, sqlite::SqliteError};
+use super::{raw_message::Damage, sqlite::SqliteError};
 use crate::{artefacts::run_files::RecordError, scene::SceneError};
 
 /// Reason why a log cannot be replayed. The error's text is phrased to follow "failed to".

@@ -8,7 +8,7 @@ use super::{
     account::{ClockStep, Topic},
     geodesy,
     messages::{self, LensInfo},
-    source::RawMessage,
+    raw_message::RawMessage,
     topics::Role,
 };
 use crate::scene::{Datum, Gnss, Log, Stamps, UpAxis};

@@ -14,7 +14,10 @@ use mcap::{
     records::{ChunkHeader, Record, op},
 };
 
-use super::source::{MCAP_MAGIC, RawMessage, See};
+use super::raw_message::{RawMessage, See};
+
+/// First bytes of an MCAP file.
+pub(super) const MCAP_MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
 
 /// Greatest number of bytes of a chunk after decompression. Writers begin a new chunk after some megabytes.
 const GREATEST_CHUNK_BYTES: u64 = 1 << 30;

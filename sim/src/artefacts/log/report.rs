@@ -28,7 +28,7 @@ use super::{
     lenses::LensFound,
     motion::Motion,
     player::Played,
-    source::Damage,
+    raw_message::Damage,
     tightness::{Tightness, tightness},
     truth::TruePath,
 };

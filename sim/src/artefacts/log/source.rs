@@ -8,12 +8,15 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{LogError, bag_database, mcap_file, sqlite};
+use super::{
+    LogError, bag_database,
+    mcap_file::{self, MCAP_MAGIC},
+    raw_message::{Damage, RawMessage, See},
+    sqlite,
+};
 
 /// First bytes of a file that Zstandard compressed.
 const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-/// First bytes of an MCAP file.
-pub(super) const MCAP_MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
 /// First bytes of a bag of ROS 1.
 const ROS1_MAGIC: &[u8] = b"#ROSBAG V";
 /// Greatest number of bytes of a compressed message after decompression: no image is that large.
@@ -22,31 +25,6 @@ const GREATEST_MESSAGE_BYTES: usize = 1 << 28;
 const GREATEST_DATABASE_BYTES: u64 = 1 << 32;
 /// What a log may be, for messages.
 const LOG: &str = "an MCAP file, a `.db3` file of rosbag2, or a folder of rosbag2";
-
-/// A message as it stands in a log.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RawMessage<'a> {
-    pub(super) topic: &'a str,
-    /// Type of the message, as `package/Type`.
-    pub(super) kind: &'a str,
-    /// Encoding of the message, such as `cdr`.
-    pub(super) encoding: &'a str,
-    /// Time at which the message was logged, in nanoseconds.
-    pub(super) logged_ns: i64,
-    pub(super) data: &'a [u8],
-}
-
-/// Damage of a log that makes some of its messages unreadable.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Damage {
-    /// What is wrong, and which messages are lost.
-    pub(super) what: String,
-    /// The topic and the time of logging of the last message before it.
-    pub(super) after: Option<(String, i64)>,
-}
-
-/// Takes a message of a log. Returns whether the log is to be read further.
-pub(super) type See<'a> = dyn FnMut(RawMessage<'_>) -> bool + 'a;
 
 /// The files of a log in the order of recording.
 #[derive(Clone, Debug)]

@@ -11,7 +11,10 @@ use std::{
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records::MessageHeader, records::Metadata};
 
 use crate::{
-    artefacts::run_files::{RecordError, Summary, folder, naming},
+    artefacts::{
+        files::{RecordError, folder, naming},
+        summary::Summary,
+    },
     judge::Verdict,
     loading::SceneFile,
 };

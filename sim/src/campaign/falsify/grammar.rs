@@ -12,6 +12,7 @@ mod far_room;
 mod numbers;
 mod robot;
 mod settled;
+mod tables;
 mod weights;
 
 use serde_json::Value as Json;

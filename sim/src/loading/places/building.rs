@@ -2,7 +2,7 @@
 
 use crate::{
     devices::camera::DrawnCamera,
-    loading::parse::Contradiction,
+    loading::contradiction::Contradiction,
     optics::Lens,
     place::building::{
         Enclosure, LEAST_BETWEEN_DOORS_M, Side, between_doors_m, enclosures, leads_into_a_room, level, standing_walls,

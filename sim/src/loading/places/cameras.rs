@@ -1,7 +1,7 @@
 //! Contradictions about cameras: exposures that do not fit between two images, and black levels that leave no grey levels for light.
 
 use crate::{
-    loading::parse::Contradiction,
+    loading::contradiction::Contradiction,
     scene::{CameraKeys, Scene, SharedKeys},
 };
 use localizer::reading::Camera;

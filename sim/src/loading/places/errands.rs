@@ -1,6 +1,6 @@
 //! Contradictions about errands that the robot cannot drive.
 
-use crate::{loading::parse::Contradiction, place::navigation::Planner, scene::Scene};
+use crate::{loading::contradiction::Contradiction, place::navigation::Planner, scene::Scene};
 
 /// Errands with the same name, and goals to which no path leads.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {

@@ -1,7 +1,7 @@
 //! Contradictions about ceiling markers: impossible places, and markers that cannot be told apart.
 
 use crate::{
-    loading::parse::Contradiction,
+    loading::contradiction::Contradiction,
     scene::{Marker, Markers, Scene, UNDER_CEILING_M},
 };
 use localizer::markers::{self, MarkerId};

@@ -3,7 +3,7 @@
 
 use crate::{
     devices::{self, unsampled},
-    loading::parse::Contradiction,
+    loading::contradiction::Contradiction,
     scene::Scene,
 };
 

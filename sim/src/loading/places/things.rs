@@ -1,7 +1,7 @@
 //! Contradictions about furniture, landmarks and people: places outside every room, and paths through walls and furniture.
 
 use crate::{
-    loading::parse::Contradiction,
+    loading::contradiction::Contradiction,
     place::building::{Doorway, Enclosure, GroundPlan, Panel, enclosures, wall_panels},
     scene::{Furniture, Person, Scene, Station},
 };

@@ -1,40 +1,13 @@
 //! Walls as they truly stand: all turned by the same angle against the map.
 
-use crate::{
-    scene::{Furniture, Scene},
-    truth::randomness::{draw_within, stream},
-};
+use crate::scene::{Furniture, Scene};
 
 use super::DrawnPlace;
-use crate::place::building::GroundPlan;
-
-/// Step, in per cent of the drawn turn, by which the walls' turn is reduced until the turned walls leave room for the robot's body wherever the
-/// scene puts the robot.
-const STEP_PERCENT: i32 = 5;
 
 /// Angle against every wall beyond which a piece of furniture counts as placed across the walls on purpose. Its edges are then outliers, which
 /// are covered by the number of false readings that the localizer allows for in an image (the quota). Furniture that people place along a wall
 /// ends up askew by 1 to 3°.
 const ON_PURPOSE_DEG: f64 = 5.0;
-
-/// Draws at random one angle by which all walls are turned. The walls agree with each other, so that no image of them can distinguish this turn
-/// from a turn of the robot.
-pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
-    let drawn_deg = draw_within(scene.walls_askew_deg(), scene.robot.errors, &mut stream(seed, "walls"));
-    let lesser = (0..=100 / STEP_PERCENT).map(|step| drawn_deg * f64::from(100 - STEP_PERCENT * step) / 100.0);
-    lesser.into_iter().find(|turn_deg| leaves_places(scene, *turn_deg)).unwrap_or(0.0)
-}
-
-/// Whether walls turned by `turn_deg` leave enough room for the robot's body at every position at which the scene puts the robot.
-fn leaves_places(scene: &Scene, turn_deg: f64) -> bool {
-    let mut turned = scene.clone();
-    turned.turn_walls(turn_deg);
-    let ground_plan = GroundPlan::of(&turned);
-    // A true position is drawn at random within a square around the stated one.
-    scene.places().into_iter().all(|(at_m, tolerance_m)| {
-        ground_plan.wall_distance_from_square_m(at_m, tolerance_m) >= scene.robot.body_radius_m
-    })
-}
 
 /// A direction along which level edges in the building run, measured from world x.
 pub(crate) struct LevelEdges {

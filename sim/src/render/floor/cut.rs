@@ -14,7 +14,7 @@ use crate::{
     render::{
         FloorLight, RenderError, View,
         exposure::{MAX_SUB_FRAMES, Path, interpolate},
-        lens::LensSlot,
+        lens::{LAMPLIGHT_PX, LensSlot},
     },
     scene::{Pattern, Region, Scene, Stray, Tiles},
     world::Drawn,
@@ -22,9 +22,6 @@ use crate::{
 
 /// Number of stripes on a tile, by the scene's definition of the striped pattern: they are a fifth of the tile apart.
 const STRIPES_IN_TILE: f64 = 5.0;
-
-/// Number of points along each side of a picture at which lamplight is computed; they are 1 cm apart where a floor camera sees half a metre.
-pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
 
 /// The floor of a world as the renderer knows it; from it the part is cut that a picture shows.
 #[derive(Debug)]

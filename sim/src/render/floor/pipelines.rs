@@ -3,7 +3,7 @@
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 
 use super::geometry::{BandInstance, TileInstance};
-use crate::{render::target::LUMINANCE_FORMAT, scene::Pattern};
+use crate::{render::texels::LUMINANCE_FORMAT, scene::Pattern};
 
 const TILE_SHADER: &str = concat!(
     include_str!("../row.wgsl"),

@@ -8,7 +8,7 @@ use super::layouts::{Vertices, constant, sampler, stored, texture, uniform, vert
 use crate::{
     optics::Lens,
     place::building::{Material, Texture},
-    render::target::{LUMINANCE_FORMAT, linear},
+    render::texels::{LUMINANCE_FORMAT, linear},
     scene::Band,
 };
 

@@ -11,7 +11,7 @@ use super::{
 use crate::render::{
     device::Graphics,
     lens::{LensLayout, LensSlot},
-    target::LUMINANCE_FORMAT,
+    texels::LUMINANCE_FORMAT,
 };
 
 /// Number of bytes from the values of one sub-frame (an instant of the exposure) to those of the next in the buffer of the camera's values; every

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::scene::{Robot, Sensor, SensorModel, SensorPreset};
+use crate::scene::{Sensor, SensorModel, SensorPreset};
 
 /// A camera as a scene states it, whichever of the presets it is.
 pub trait CameraKeys {
@@ -188,25 +188,6 @@ macro_rules! define_camera {
     };
 }
 pub(super) use define_camera;
-
-impl Robot {
-    /// Names of the robot's cameras, in the order of [`Camera::ALL`].
-    pub fn cameras(&self) -> Vec<Camera> {
-        Camera::ALL.into_iter().filter(|name| self.camera(*name).is_some()).collect()
-    }
-
-    /// The robot's camera of this name; `None` if the robot does not have it.
-    pub fn camera(&self, name: Camera) -> Option<&dyn CameraKeys> {
-        fn keys(camera: &Option<impl CameraKeys>) -> Option<&dyn CameraKeys> {
-            camera.as_ref().map(|camera| camera as &dyn CameraKeys)
-        }
-        match name {
-            Camera::Floor => keys(&self.floor_camera),
-            Camera::Forward => keys(&self.forward_camera),
-            Camera::Ceiling => keys(&self.ceiling_camera),
-        }
-    }
-}
 
 /// Bands of wavelengths that pass the filter before a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]

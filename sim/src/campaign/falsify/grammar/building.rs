@@ -7,7 +7,7 @@ use crate::{
     scene::Robot,
 };
 
-use super::settled::{items, number, place, table, text};
+use super::tables::{items, number, place, table, text};
 
 /// Gives positions to all things in and around the room of a scene drawn at random. Things that only cameras see are removed if the robot has no
 /// camera.

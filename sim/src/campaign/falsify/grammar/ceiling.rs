@@ -10,7 +10,7 @@ use crate::{
 
 use super::{
     building::inside,
-    settled::{meaning, place, table, text},
+    tables::{meaning, place, table, text},
 };
 
 /// Half the diagonal of a marker, which is the greatest distance of its corners from its middle.

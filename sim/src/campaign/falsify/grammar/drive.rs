@@ -10,7 +10,7 @@ use crate::{
 
 use super::{
     building::Obstacles,
-    settled::{items, number, place, table},
+    tables::{items, number, place, table},
 };
 
 /// The kinds of drive, of which a scene has exactly one: the scene keys of each kind, and the probability of the kind.

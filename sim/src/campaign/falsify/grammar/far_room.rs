@@ -7,7 +7,7 @@ use crate::{
     scene::Robot,
 };
 
-use super::settled::{items, number, table};
+use super::tables::{items, number, table};
 
 /// Probability with which a scene with a route gets a room behind an open door.
 const PROBABILITY: f64 = 0.08;

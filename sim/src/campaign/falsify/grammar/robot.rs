@@ -9,7 +9,7 @@ use crate::{
 };
 use localizer::reading::Camera;
 
-use super::settled::{meaning, number, table};
+use super::tables::{meaning, number, table};
 
 /// Probability with which a robot has each of the devices that need no rendered images. The cameras are listed apart.
 const FITTED: [(&str, f64); 4] = [("gyro", 0.65), ("flow", 0.5), ("range_camera", 0.55), ("proximity", 0.15)];

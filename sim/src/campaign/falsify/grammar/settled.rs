@@ -1,6 +1,5 @@
 //! Makes the parts of a scene drawn at random fit together, which a schema cannot demand. A scene that still does not fit is refused and drawn again.
 
-use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use crate::{
@@ -8,7 +7,10 @@ use crate::{
     scene::{MethodName, Robot},
 };
 
-use super::{building, ceiling, drive, far_room, robot};
+use super::{
+    building, ceiling, drive, far_room, robot,
+    tables::{items, number, table, text},
+};
 
 /// Changes a drawn scene so that it can be simulated.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cameras: bool) {
@@ -86,45 +88,5 @@ fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
                 false => event.insert("region".to_owned(), Value::String(dice.choose(&regions).clone())),
             };
         }
-    }
-}
-
-/// Returns the table at `key`, which is created if it does not exist.
-pub(super) fn table<'a>(of: &'a mut Table, key: &str) -> &'a mut Table {
-    if !of.get(key).is_some_and(Value::is_table) {
-        of.insert(key.to_owned(), Value::Table(Table::new()));
-    }
-    match of.get_mut(key) {
-        Some(Value::Table(table)) => table,
-        _ => unreachable!("a table was put at {key} just now"),
-    }
-}
-
-/// Returns the tables of the list at `key`.
-pub(super) fn items<'a>(of: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
-    of.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten().filter_map(Value::as_table_mut)
-}
-
-/// Returns the number at `key`, if the table has one.
-pub(super) fn number(of: &Table, key: &str) -> Option<f64> {
-    let value = of.get(key)?;
-    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
-}
-
-/// Returns the text at `key`, if the table has one.
-pub(super) fn text(of: &Table, key: &str) -> Option<String> {
-    of.get(key)?.as_str().map(str::to_owned)
-}
-
-/// Parses a part of a scene, with default values for the keys that it does not state; none when the part is invalid, which makes the whole scene
-/// invalid.
-pub(super) fn meaning<T: DeserializeOwned>(of: &Table) -> Option<T> {
-    Value::Table(of.clone()).try_into().ok()
-}
-
-/// Writes a position into a table as the keys `x_m` and `y_m`.
-pub(super) fn place(table: &mut Table, at_m: [f64; 2]) {
-    for (key, value_m) in [("x_m", at_m[0]), ("y_m", at_m[1])] {
-        table.insert(key.to_owned(), Value::Float(rounded(value_m, 4)));
     }
 }
