@@ -7,6 +7,8 @@ mod command;
 mod judging;
 /// Helpers that read source files as text.
 mod source_text;
+/// Helpers that find which modules of a crate use which others.
+mod modules;
 
 /// Tests of interval contractors and pavings on problems worked out by hand.
 mod contractor_by_hand;

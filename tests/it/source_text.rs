@@ -37,21 +37,56 @@ pub(crate) fn module_of(below: &Path) -> Vec<String> {
     module
 }
 
-/// The modules at the root of the crate that the code of a file names, by paths from the root or up from its own module.
-pub(crate) fn named(code: &str, module: &[String]) -> BTreeSet<String> {
+/// A path from the root of a crate that code names, and the name that the code calls it by: the last name of the path, or another one after `as`, or
+/// `*` for everything below the path.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Named {
+    pub(crate) path: Vec<String>,
+    pub(crate) name: String,
+}
+
+/// What the code of a module names by paths that begin with `crate`, `super` or `self`.
+pub(crate) fn named(code: &str, module: &[String]) -> BTreeSet<Named> {
     let mut names = BTreeSet::new();
-    for (at, _) in code.match_indices("crate::").chain(code.match_indices("super::")) {
-        // A path that goes up twice is read from its first step.
-        let before = &code[..at];
-        if !before.ends_with("::") && !before.ends_with(is_of_a_name) {
-            follow(&code[at..], module.to_vec(), &mut names);
+    let mut starts: Vec<usize> =
+        ["crate::", "super::", "self::"].iter().flat_map(|first| code.match_indices(first)).map(|(at, _)| at).collect();
+    starts.sort_unstable();
+    let mut end = 0;
+    for at in starts {
+        // A path is read from its first step, and a group of paths as one.
+        if at >= end && !code[..at].ends_with(is_of_a_name) {
+            end = code.len() - follow(&code[at..], module.to_vec(), &mut names).len();
         }
     }
     names
 }
 
-/// Follows a path, or the paths of a group in braces, from a module to the first name below the root of the crate. Returns what comes after.
-fn follow<'a>(path: &'a str, mut module: Vec<String>, names: &mut BTreeSet<String>) -> &'a str {
+/// What the `use` statements at the left margin of a module's file name, given the names of the modules directly below that module.
+pub(crate) fn imported(code: &str, module: &[String], children: &[&str]) -> BTreeSet<Named> {
+    let mut names = BTreeSet::new();
+    for statement in code.split(';') {
+        let starts = statement.match_indices("use ").map(|(at, _)| at);
+        let Some(start) = starts.filter(|at| is_margin(&statement[..*at])).last() else { continue };
+        let path = statement[start..].trim_start_matches("use ").trim();
+        let first: String = path.chars().take_while(|letter| is_of_a_name(*letter)).collect();
+        // What begins with the name of another crate names nothing of this one.
+        if ["crate", "super", "self"].contains(&first.as_str()) {
+            follow(path, module.to_vec(), &mut names);
+        } else if children.contains(&first.as_str()) {
+            follow(&format!("self::{path}"), module.to_vec(), &mut names);
+        }
+    }
+    names
+}
+
+/// Whether a statement after this text stands at the left margin, with nothing but its visibility before it.
+fn is_margin(before: &str) -> bool {
+    let line = before.rsplit('\n').next().unwrap_or_default();
+    line.is_empty() || line == "pub " || line.starts_with("pub(") && line.ends_with(") ")
+}
+
+/// Follows a path, or the paths of a group in braces, from a module. Returns what comes after.
+fn follow<'a>(path: &'a str, mut module: Vec<String>, names: &mut BTreeSet<Named>) -> &'a str {
     let path = path.trim_start();
     if let Some(mut group) = path.strip_prefix('{') {
         loop {
@@ -68,26 +103,28 @@ fn follow<'a>(path: &'a str, mut module: Vec<String>, names: &mut BTreeSet<Strin
             }
         }
     }
+    let is_everything = path.starts_with('*');
     let name: String = path.chars().take_while(|letter| is_of_a_name(*letter)).collect();
     let after = &path[name.len()..];
-    let Some(further) = after.strip_prefix("::") else {
-        if module.is_empty() && !["", "self", "super", "crate"].contains(&name.as_str()) {
-            names.insert(name);
-        }
-        return after;
-    };
+    let further = after.strip_prefix("::");
     match name.as_str() {
         "crate" => module.clear(),
         "super" => drop(module.pop()),
-        "self" => {}
-        _ => {
-            if module.is_empty() {
-                names.insert(name.clone());
-            }
-            module.push(name);
-        }
+        "self" | "" => {}
+        _ => module.push(name),
     }
-    follow(further, module, names)
+    if let Some(further) =
+        further.filter(|further| further.starts_with(|letter| is_of_a_name(letter) || "{*".contains(letter)))
+    {
+        return follow(further, module, names);
+    }
+    let other = after
+        .trim_start()
+        .strip_prefix("as ")
+        .map(|other| other.trim_start().chars().take_while(|letter| is_of_a_name(*letter)).collect());
+    let name = if is_everything { Some("*".to_owned()) } else { other.or_else(|| module.last().cloned()) };
+    names.extend(name.map(|name| Named { path: module, name }));
+    after
 }
 
 fn is_of_a_name(letter: char) -> bool {
@@ -138,18 +175,26 @@ fn only_comments_and_the_block_of_unit_tests_are_no_code() {
 }
 
 #[test]
-fn a_path_up_to_the_root_names_the_module_that_it_goes_down_to() {
-    let named =
-        |code: &str, below: &str| -> Vec<String> { named(code, &module_of(Path::new(below))).into_iter().collect() };
-    let code = "use crate::{\n    d::{E, f},\n    g as k,\n};\nfn i() -> crate::j::K {}";
-    assert_eq!(named(code, "a.rs"), ["d", "g", "j"]);
+fn a_path_is_followed_from_the_module_that_names_it() {
+    let paths = |names: BTreeSet<Named>| -> Vec<String> {
+        names.into_iter().map(|Named { path, name }| format!("{} as {name}", path.join("::"))).collect()
+    };
+    let named = |code: &str, below: &str| paths(named(code, &module_of(Path::new(below))));
+    let code = "use crate::{\n    d::{E, f},\n    g as k,\n};\nfn i() -> crate::j::K<super::L> {}";
+    assert_eq!(named(code, "a.rs"), ["L as L", "d::E as E", "d::f as f", "g as k", "j::K as K"]);
     for below in ["a/b.rs", "a/b/mod.rs"] {
-        assert_eq!(named("use super::super::{c::D, e};\nlet f = super::super::g::H;", below), ["c", "e", "g"]);
-        assert_eq!(named("use super::{super::c::D, e::F};", below), ["c"]);
-        assert_eq!(named("use super::c::D;", below), Vec::<String>::new());
+        let code = "use super::super::{c::D, e};\nlet f = super::super::g::H::new();";
+        assert_eq!(named(code, below), ["c::D as D", "e as e", "g::H::new as new"]);
+        assert_eq!(
+            named("use super::{super::c::D, e::{self, F}, *};", below),
+            ["a as *", "a::e as e", "a::e::F as F", "c::D as D"]
+        );
     }
-    assert_eq!(named("use super::b::C;", "a.rs"), ["b"]);
-    assert_eq!(named("use super::super::c;", "a/b/d.rs"), Vec::<String>::new());
+    assert_eq!(named("use self::b::C; let d = Self::e; myself::f", "a.rs"), ["a::b::C as C"]);
+
+    let imported = |code: &str| paths(imported(code, &["a".to_owned()], &["b"]));
+    let code = "mod b;\nuse std::fs;\npub(super) use b::{C, d::E as F};\nuse super::g;\nfn h() {\n    use b::I;\n}";
+    assert_eq!(imported(code), ["a::b::C as C", "a::b::d::E as F", "g as g"]);
 }
 
 #[test]

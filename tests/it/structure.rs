@@ -14,32 +14,9 @@ use sim::{
 
 use crate::{
     command::root,
-    source_text::{code, module_of, named, walk, without_names_of_streams, words},
+    modules::{Crate, circles},
+    source_text::{code, walk, without_names_of_streams, words},
 };
-
-/// For each module below the root of a crate: the modules at the root that its files name, each with a file that names it.
-type Uses = BTreeMap<String, BTreeMap<String, String>>;
-
-fn uses(sources: &str) -> Uses {
-    let folder = root().join(sources);
-    let exported = exported(&fs::read_to_string(folder.join("lib.rs")).unwrap());
-    let mut uses = Uses::new();
-    walk(&folder, &mut |path, text| {
-        let below = path.strip_prefix(&folder).unwrap();
-        let module = module_of(below);
-        // The library's root and the program's main file may name every module, and no module names them.
-        if ["lib", "main"].contains(&module[0].as_str()) {
-            return;
-        }
-        for name in named(&code(text), &module) {
-            let other = exported.get(&name).unwrap_or(&name).clone();
-            if other != module[0] {
-                uses.entry(module[0].clone()).or_default().entry(other).or_insert(below.display().to_string());
-            }
-        }
-    });
-    uses
-}
 
 /// Names that a library's root exports, each with the module that it comes from; a module comes from itself.
 fn exported(lib: &str) -> BTreeMap<String, String> {
@@ -62,37 +39,43 @@ fn exported(lib: &str) -> BTreeMap<String, String> {
     exported
 }
 
-/// A path from a module back to itself, each step with the file that makes it; `None` where there is none.
-fn circle(uses: &Uses) -> Option<String> {
-    fn from(module: &str, uses: &Uses, way: &mut Vec<String>, done: &mut BTreeSet<String>) -> Option<String> {
-        if let Some(first) = way.iter().position(|before| before == module) {
-            let steps = way[first..].iter().zip(way[first + 1..].iter().map(String::as_str).chain([module]));
-            return Some(steps.map(|(one, next)| format!("{one} names {next} in {}; ", uses[one][next])).collect());
-        }
-        if !done.insert(module.to_owned()) {
-            return None;
-        }
-        way.push(module.to_owned());
-        let found = uses.get(module).into_iter().flatten().find_map(|(next, _)| from(next, uses, way, done));
-        way.pop();
-        found
-    }
-    let mut done = BTreeSet::new();
-    uses.keys().find_map(|module| from(module, uses, &mut Vec::new(), &mut done))
-}
+/// The sources of every crate of the project but its tests.
+const SOURCES: [&str; 5] =
+    ["localizer/interval/src", "localizer/src", "sim/src", "python/src", "examples/own_subject/src"];
+
+/// Circles of modules that are left, each by the folder that holds the modules.
+const CIRCLES_LEFT: [(&str, [&str; 2]); 2] = [
+    // The class `Cues` of the Python package is made for a `Drive`, and a `Drive` tells a localizer `Cues`; the methods of a Python class that users
+    // call stand in one file.
+    ("python/src", ["cues", "drive"]),
+    // A motion step takes the constants by which it reads the sensors from the belief, which the step then carries on.
+    ("sim/src/subject/extended_kalman_filter", ["belief", "moved"]),
+];
 
 #[test]
-fn no_module_of_a_crate_knows_itself_by_way_of_others() {
-    for sources in ["localizer/interval/src", "localizer/src", "sim/src"] {
-        let uses = uses(sources);
-        assert!(sources.contains("interval") || uses.len() > 5, "{sources}: {uses:?}");
-        assert_eq!(circle(&uses), None, "{sources}");
+fn no_module_of_a_crate_knows_itself_by_way_of_others_in_its_folder() {
+    let mut left = Vec::new();
+    for sources in SOURCES {
+        let uses = Crate::read(&root().join(sources)).uses();
+        assert!(sources != "sim/src" || uses.len() > 20 && uses[&Vec::new()].len() > 10, "{uses:?}");
+        for (folder, uses) in &uses {
+            let folder = [&[sources.to_owned()], &folder[..]].concat().join("/");
+            for (circle, steps) in circles(uses) {
+                let circle: Vec<&str> = circle.iter().map(String::as_str).collect();
+                let is_left = CIRCLES_LEFT.iter().any(|(at, known)| *at == folder && circle == known);
+                assert!(is_left, "in {folder}: {steps}");
+                left.push(folder.clone());
+            }
+        }
     }
+    left.sort();
+    assert_eq!(left, CIRCLES_LEFT.map(|(folder, _)| folder), "a circle that is named here is gone");
 }
 
 #[test]
 fn a_scene_is_keys_and_knows_nothing_that_is_made_of_them() {
-    assert_eq!(uses("sim/src").get("scene"), None);
+    let uses = Crate::read(&root().join("sim/src")).uses();
+    assert_eq!(uses[&Vec::new()].get("scene"), None);
 }
 
 #[test]
@@ -160,18 +143,6 @@ fn each_bound_has_one_name_a_unit_and_a_sentence() {
     }
 }
 
-#[test]
-fn a_circle_through_three_modules_is_found() {
-    let to = |other: &str, file: &str| BTreeMap::from([(other.to_owned(), file.to_owned())]);
-    let uses = Uses::from([
-        ("a".to_owned(), to("b", "a.rs")),
-        ("b".to_owned(), to("c", "b/one.rs")),
-        ("c".to_owned(), to("a", "c.rs")),
-    ]);
-    assert_eq!(circle(&uses).unwrap(), "a names b in a.rs; b names c in b/one.rs; c names a in c.rs; ");
-    assert_eq!(circle(&Uses::from([("a".to_owned(), to("b", "a.rs")), ("c".to_owned(), to("a", "c.rs"))])), None);
-}
-
 /// The number that follows the first occurrence of `before` in a file of the simulator's sources.
 fn number_after(file: &str, before: &str) -> f64 {
     let text = fs::read_to_string(root().join("sim/src").join(file)).unwrap();
@@ -199,9 +170,5 @@ fn numbers_that_shaders_share_with_the_program_are_the_same() {
     same(lamps, ("render/room/surface.wgsl", "const LAMP_ENDS: u32 = "), 1.0);
     let sub_frames = ("render/exposure.rs", "const MAX_SUB_FRAMES: usize = ");
     same(sub_frames, ("render/floor/view.wgsl", "sub_frame_ends: array<Homography, "), 1.0);
-    same(
-        ("render/floor/cut.rs", "const LAMPLIGHT_PX: u32 = "),
-        ("render/lens.wgsl", "const LAMPLIGHT_PX: f32 = "),
-        0.0,
-    );
+    same(("render/lens.rs", "const LAMPLIGHT_PX: u32 = "), ("render/lens.wgsl", "const LAMPLIGHT_PX: f32 = "), 0.0);
 }
