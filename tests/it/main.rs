@@ -54,8 +54,6 @@ mod wall_directions_geometry;
 mod dark_vision;
 /// Tests of whole runs at 0.1 lx that take the heading from level edges of walls.
 mod dark_runs;
-/// Tests of the localizer's learning of the gyroscope's bias from heading fixes and at rest, and of unlearning it after a doubt.
-mod gyro_bias_learning;
 /// Tests of the motion that the flow sensor encloses, against motion integrated in much finer steps, and of wheels that provably slip.
 mod flow_enclosure;
 /// Tests of the point methods of paper 2: the slip decision between wheels and flow sensor, the database of wall directions, and the pose graph.

@@ -98,10 +98,9 @@ fn a_misplaced_tile_shows_near_itself_and_nowhere_else() {
     assert!((laid.errors_near(&tiles, FLOOR_M, [1.65, 1.05], 0.3).offset_m - 0.008).abs() < 1e-12);
     assert!(laid.errors_near(&tiles, FLOOR_M, [0.6, 0.6], 0.3).offset_m < 1e-12);
     // The left joint of the misplaced tile is 8 mm further to the right along its whole edge.
-    let at_edge = laid.joint_distance(&tiles, [1.508, 1.05]).unwrap();
-    assert!(at_edge.distance_m < 1e-12 && at_edge.axis == 0 && at_edge.visible);
-    let nominal = laid.joint_distance(&tiles, [1.5, 1.05]).unwrap();
-    assert!((nominal.distance_m - 0.008).abs() < 1e-12);
+    let joints = |x_m: f64, within_m: f64| laid.joints_within(&tiles, [x_m, 1.05], [within_m; 2]);
+    assert_eq!(joints(1.508, 1e-12), [(0, 5)]);
+    assert_eq!((joints(1.5, 0.008 - 1e-12), joints(1.5, 0.008 + 1e-12)), (Vec::new(), vec![(0, 5)]));
 }
 
 #[test]

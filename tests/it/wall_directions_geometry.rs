@@ -4,7 +4,7 @@ use interval::Interval;
 use localizer::{
     Claim, Map, PoseBox, PoseUnion, RobotModel,
     method::Memory,
-    methods::wall_directions::{IMAGES, Quotas, Setup, WallDirections},
+    methods::wall_directions::{Chain, IMAGES, Quotas, Setup, WallDirections},
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::EdgeLine,
 };
@@ -32,11 +32,23 @@ fn camera(distortion: [f64; 5]) -> ForwardCameraModel {
     }
 }
 
+/// The method for a building where long edges on the floor run along walls; it solves for the lean of robot and camera. By the chain of the paper,
+/// whose edges are not refitted, it uses edges up to the greater width of their direction.
+fn setup(learns: bool) -> Setup {
+    Setup { chain: Chain::Paper, solves_lean: true, floor_edges: true, learns, ..Setup::default() }
+}
+
+/// The same, where none of the edges may be wrong.
+fn without_wrong_edges() -> Setup {
+    let quotas = Quotas { edge_share: 0.0, images: 0, held_share: 0.0, held_edges: 0, spoilt_images: 0 };
+    Setup { quotas, ..setup(false) }
+}
+
 fn method(directions_rad: &[f64], learns: bool) -> WallDirections {
     let body = BodyModel { tilt_rad: 0.0, heave_m: 0.0, clearance_m: 0.1 };
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let directions: Vec<Interval> = directions_rad.iter().map(|&direction| Interval::point(direction)).collect();
-    WallDirections::with(camera([0.0; 5]), &body, &reach, &directions, learns).with_floor_edges_and_lean()
+    WallDirections::with(camera([0.0; 5]), &body, &reach, &directions, setup(learns))
 }
 
 /// A camera as it truly is: focal length, principal point, distortion, and the rotation from the robot's frame (x forward, y left, z up).
@@ -305,7 +317,10 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
         BodyModel { tilt_rad: 0.001, heave_m: 0.0, clearance_m: 0.1 },
         Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 },
     );
-    assert_eq!(n_claims(WallDirections::with(camera([0.0; 5]), &body, &reach, &[Interval::ZERO], false), 0.5), 3);
+    assert_eq!(
+        n_claims(WallDirections::with(camera([0.0; 5]), &body, &reach, &[Interval::ZERO], Setup::default()), 0.5),
+        3
+    );
 }
 
 #[test]
@@ -387,10 +402,10 @@ fn leaning(lean_rad: [f64; 2]) -> TrueCamera {
 }
 
 fn on_a_body_that_leans(tilt_rad: f64) -> WallDirections {
-    with_mount_error(tilt_rad, 0.0)
+    with_mount_error(tilt_rad, 0.0, setup(false))
 }
 
-fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64) -> WallDirections {
+fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64, setup: Setup) -> WallDirections {
     let body = BodyModel { tilt_rad, heave_m: 0.0, clearance_m: 0.1 };
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let exact = ForwardCameraModel {
@@ -400,7 +415,7 @@ fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64) -> WallDirections {
         tilt_error_rad,
         ..camera([0.0; 5])
     };
-    WallDirections::with(exact, &body, &reach, &[Interval::ZERO], false).with_floor_edges_and_lean()
+    WallDirections::with(exact, &body, &reach, &[Interval::ZERO], setup)
 }
 
 fn sharp(edge: EdgeLine) -> EdgeLine {
@@ -444,11 +459,10 @@ fn upright_edges_tell_a_lean() {
     assert!(with_posts < 0.5 * alone, "{with_posts} of {alone}");
 }
 
-/// Total width of the headings on which all edges of one image agree when none of them may be wrong; `None` if the edges give no constraint. Asserts
+/// Total width of the headings on which all edges of one image agree, by a method for which none of them may be wrong; `None` if the edges give no constraint. Asserts
 /// that these headings contain the true one.
-fn heading_of_image(walls: WallDirections, edges: &[EdgeLine], heading_rad: f64, prior: &PoseUnion) -> Option<f64> {
-    let none = Quotas { edge_share: 0.0, images: 0, held_share: 0.0, held_edges: 0, spoilt_images: 0 };
-    let constraint = walls.with_quotas(none).constraint(0.0, edges, prior)?;
+fn heading_of_image(mut walls: WallDirections, edges: &[EdgeLine], heading_rad: f64, prior: &PoseUnion) -> Option<f64> {
+    let constraint = walls.constraint(0.0, edges, prior)?;
     let branches = constraint.on_pose.branches(&prior.hull());
     let headings: Vec<Interval> = branches.iter().map(|branch| branch[2]).collect();
     assert!(holds(&headings, heading_rad), "heading {heading_rad} is not in {headings:?}");
@@ -488,7 +502,7 @@ fn behind_a_bent_lens_no_error_of_its_optics_loses_the_heading() {
             })
             .collect();
         let prior = union(heading_rad + rng.random_range(-0.1..0.1), 0.12);
-        let walls = WallDirections::with(told, &body, &reach, &[Interval::ZERO], false).with_floor_edges_and_lean();
+        let walls = WallDirections::with(told, &body, &reach, &[Interval::ZERO], without_wrong_edges());
         n_told += usize::from(heading_of_image(walls, &edges, heading_rad, &prior).is_some());
     }
     assert!(n_told > 2000, "{n_told}");
@@ -515,7 +529,7 @@ fn no_lean_of_body_and_mount_loses_the_heading_however_great() {
                 ..upright
             };
             let edges: Vec<EdgeLine> = (0..4).map(|_| truth.edge(0.0, 0.3, &mut rng)).collect();
-            let walls = with_mount_error(0.5 * lean_rad, 0.5 * lean_rad);
+            let walls = with_mount_error(0.5 * lean_rad, 0.5 * lean_rad, without_wrong_edges());
             if let Some(width) = heading_of_image(walls, &edges, 0.3, &union(0.3 + rng.random_range(-0.1..0.1), 0.12)) {
                 (n_told, widths) = (n_told + 1, widths + width);
             }

@@ -6,6 +6,9 @@ use crate::{Constraint, Localizer, PoseUnion, motion::greatest_change_rad_per_s2
 
 use super::{after_turn::AfterTurn, heading_fixes::HeadingFixes, moves::memory_s};
 
+#[cfg(test)]
+mod tests;
+
 impl Localizer {
     /// The same localizer, set to learn the gyroscope's bias and scale between heading fixes (headings known at single stamps). If `rest_turn_rad` is
     /// given, it also learns the bias while the robot stands, as the body is then declared to turn by at most that angle.
@@ -23,12 +26,6 @@ impl Localizer {
             self.relies_on.extend(fixes.relies_on().filter(|assumption| !known.contains(assumption)));
             fixes.begin(self.current.hull()[2]);
         }
-    }
-
-    /// The gyroscope's bias as known at present: the declared one unless it is learnt; `None` without a gyroscope.
-    pub fn gyro_bias_rad_per_s(&self) -> Option<Interval> {
-        let declared = self.robot.gyro?.bias_rad_per_s;
-        Some(self.fixes.as_ref().map_or(declared, |fixes| fixes.bias_over(0.0, self.now_s)))
     }
 
     /// Learns the gyroscope's bias while the wheel encoders count no tick.

@@ -150,52 +150,37 @@ pub struct WallDirections {
 impl WallDirections {
     /// Makes the wall-direction method for a robot and a map; `None` without a camera that looks ahead.
     pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
-        let directions_rad = &map.wall_directions_rad;
-        let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
-        let Setup { chain, solves_lean, floor_edges, decides, quotas, .. } = setup;
-        let is_refitted = solves_lean && chain == Chain::Direct;
-        let widest_rad = if is_refitted { sight::WIDEST_REFITTED_RAD } else { sight::WIDEST_RAD };
-        let seen = Window::new(if solves_lean { IMAGES } else { IMAGES_APART });
-        Some(WallDirections { chain, solves_lean, floor_edges, quotas, widest_rad, decides, seen, ..walls })
+        Some(Self::with(robot.forward_camera?, &robot.body, &robot.reach, &map.wall_directions_rad, setup))
     }
 
-    /// Makes the wall-direction method for a camera, with the directions that the map gives; `learns` says whether the building may have more.
+    /// Makes the wall-direction method for a camera, with the directions that the map gives.
     pub fn with(
         camera: ForwardCameraModel,
         body: &BodyModel,
         reach: &Reach,
         directions_rad: &[Interval],
-        learns: bool,
+        setup: Setup,
     ) -> Self {
+        let Setup { chain, solves_lean, floor_edges, learns, decides, quotas } = setup;
         let known = |&direction_rad: &Interval| Direction { direction_rad, since_s: f64::NEG_INFINITY };
+        let is_refitted = solves_lean && chain == Chain::Direct;
         WallDirections {
             camera,
-            chain: Chain::Direct,
-            decides: false,
-            solves_lean: false,
-            floor_edges: false,
-            quotas: Quotas::default(),
-            widest_rad: sight::WIDEST_RAD,
+            chain,
+            decides,
+            solves_lean,
+            floor_edges,
+            quotas,
+            widest_rad: if is_refitted { sight::WIDEST_REFITTED_RAD } else { sight::WIDEST_RAD },
             body_tilt_rad: body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
             learns,
-            seen: Window::new(IMAGES_APART),
+            seen: Window::new(if solves_lean { IMAGES } else { IMAGES_APART }),
             certificates: Certificates::default(),
             strange_rad: Vec::new(),
             latest_s: f64::NEG_INFINITY,
         }
-    }
-
-    /// The same wall-direction method for a building where long edges on the floor run along walls; it solves for the lean of robot and camera from
-    /// all edges of an image together.
-    pub fn with_floor_edges_and_lean(self) -> Self {
-        WallDirections { floor_edges: true, solves_lean: true, seen: Window::new(IMAGES), ..self }
-    }
-
-    /// The same wall-direction method with other quotas, which say how many image edges may be wrong.
-    pub fn with_quotas(self, quotas: Quotas) -> Self {
-        WallDirections { quotas, ..self }
     }
 
     /// Carries the images held to the stamp of the next one.

@@ -38,17 +38,6 @@ pub struct LaidTiles {
     pub pattern_seed: u32,
 }
 
-/// The joint between floor tiles that is nearest to a given point of the floor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NearestJoint {
-    /// Distance of the joint's centre line from the point of the floor for which the nearest joint was sought.
-    pub distance_m: f64,
-    /// Family of the joint: 0 for the joints at constant grid x, 1 for those at constant grid y.
-    pub axis: usize,
-    /// Whether the joint is visible in its segment nearest to the point of the floor for which the joint was sought.
-    pub visible: bool,
-}
-
 /// Greatest errors of the floor's joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointErrors {
@@ -93,31 +82,6 @@ impl LaidTiles {
         laid.move_corners(tiles, distribution, seed, [low_m, high_m]);
         laid.misplace(tiles);
         laid
-    }
-
-    /// The joint nearest to a point of the floor (world frame), visible or not; `None` far outside the room.
-    pub fn joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
-        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
-        // A corner is displaced by less than a tile's edge, so that the nearest joint has a corner at most two tiles away.
-        let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
-        self.segments_within(tiles, place, reach)
-            .map(|segment| NearestJoint {
-                distance_m: segment.distance_m(place),
-                axis: segment.axis,
-                visible: segment.contrast > 0.0,
-            })
-            .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
-    }
-
-    /// The visible joint nearest to a point of the floor (world frame), even if an invisible joint is nearer; `None` if there is none within two
-    /// tiles.
-    pub fn visible_joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
-        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
-        let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
-        self.segments_within(tiles, place, reach)
-            .filter(|segment| segment.contrast > 0.0)
-            .map(|segment| NearestJoint { distance_m: segment.distance_m(place), axis: segment.axis, visible: true })
-            .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
     /// All joints whose centre line passes close to a point of the floor (world frame), within the distance that is given for each of the two
@@ -230,7 +194,6 @@ impl LaidTiles {
                     from: nominal + from_offset,
                     to: next_nominal + to_offset,
                     offset_m: [from_offset[axis], to_offset[axis]],
-                    contrast: self.contrast[axis][self.corner_index(i, j)],
                 })
             })
         })

@@ -15,7 +15,6 @@ pub(super) struct Segment {
     pub(super) bend_m: [f64; 2],
     /// Slope of the straight line that the joint was laid along against the joint's nominal line.
     pub(super) slope: f64,
-    pub(super) contrast: f32,
 }
 
 impl Segment {

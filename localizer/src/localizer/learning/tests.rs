@@ -1,9 +1,17 @@
 //! Tests of the gyroscope's bias, which the localizer learns between fixes of the heading and unlearns when an assumption is doubted.
 
-use interval::Interval;
-use localizer::{Constraint, Localizer, Map, Method, PoseBox, Reading, method::Context, robot::GyroModel};
+#![allow(clippy::unwrap_used)]
 
-use crate::range_landmarks_setup::{robot, says};
+use interval::{
+    Interval,
+    contractor::{Contractor, Outcome},
+};
+
+use crate::{
+    Constraint, Localizer, Map, Method, PoseBox, Reading, RobotModel,
+    method::Context,
+    robot::{BodyModel, GyroModel, Reach, WheelModel},
+};
 
 const BIAS_RAD_PER_S: f64 = 0.0042;
 const FIX_RAD: f64 = 0.002;
@@ -29,7 +37,18 @@ impl Method for Compass {
         let says_rad = if reading.measured_s() < self.wrong_from_s { 0.0 } else { 0.3 };
         let is_wide = self.mostly_wide && reading.measured_s().ceil() % 5.0 != 3.0;
         let radius_rad = if is_wide { 10.0 * FIX_RAD } else { FIX_RAD };
-        Some(says(self.name(), reading, 2, Interval::centred(says_rad, radius_rad)))
+        let heading = Heading(Interval::centred(says_rad, radius_rad));
+        Some(Constraint::new(self.name(), reading.measured_s(), heading))
+    }
+}
+
+/// Contractor that keeps the heading in an interval.
+struct Heading(Interval);
+
+impl Contractor<3> for Heading {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        domain[2] = domain[2].intersect(self.0);
+        if domain.is_empty() { Outcome::Empty("elsewhere") } else { Outcome::Feasible }
     }
 }
 
@@ -52,10 +71,16 @@ fn biases_by(compass: Compass, lasts_s: f64, wander_rad_per_s2: Option<f64>) -> 
         |second, localizer| {
             let measured_s = second - 0.0043;
             localizer.observe(&Reading::Range { measured_s, arrived_s: second, sightings: Vec::new() });
-            known.push(localizer.gyro_bias_rad_per_s().unwrap());
+            known.push(known_bias(localizer));
         },
     );
     known
+}
+
+/// The gyroscope's bias as the localizer knows it at present: the declared one unless it learns it.
+fn known_bias(localizer: &Localizer) -> Interval {
+    let declared = localizer.robot.gyro.unwrap().bias_rad_per_s;
+    localizer.fixes.as_ref().map_or(declared, |fixes| fixes.bias_over(0.0, localizer.now_s))
 }
 
 /// Feeds a localizer with the gyroscope readings and encoder counts of a robot that does not turn; `look` is called each second.
@@ -66,8 +91,7 @@ fn drive(
     ticks: impl Fn(f64) -> i64,
     mut look: impl FnMut(f64, &mut Localizer),
 ) {
-    let mut robot = robot(0, 1);
-    robot.gyro = Some(GyroModel {
+    let gyro = GyroModel {
         bias_rad_per_s: Interval::centred(0.0, 0.01),
         scale: Interval::centred(1.0, 0.002),
         noise_rad_per_s: NOISE_RAD_PER_S,
@@ -75,9 +99,29 @@ fn drive(
         angle_rad_per_s: 0.0,
         bias_wander_rad_per_s2: learns.map_or(0.0, |(wander_rad_per_s2, _)| wander_rad_per_s2),
         period_s: 0.01,
-    });
+    };
     // The declared slip of the wheels is so great that only heading fixes, and not the wheels, say how far the robot turned.
-    robot.wheels.slip_floor_m = 0.01;
+    let wheels = WheelModel {
+        radius_m: [Interval::centred(0.0975, 0.0002); 2],
+        track_m: Interval::centred(0.33, 0.001),
+        ticks_per_turn: 19_150.0,
+        slip_ratio: 0.005,
+        slip_floor_m: 0.01,
+        side_slip_ratio: 0.003,
+        side_slip_floor_m: 0.00005,
+        slip_window_s: 0.2,
+    };
+    let robot = RobotModel {
+        wheels,
+        reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
+        body: BodyModel { tilt_rad: 0.004, heave_m: 0.0, clearance_m: 0.0 },
+        floor_camera: None,
+        ceiling_camera: None,
+        forward_camera: None,
+        gyro: Some(gyro),
+        flow: None,
+        range_camera: None,
+    };
     let room = Interval::new(-5.0, 5.0);
     let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new() };
     let start = PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(0.0, FIX_RAD)]);
@@ -138,7 +182,7 @@ fn encoders_at_rest_narrow_the_bias_to_noise_and_the_turn_they_may_hide() {
     let known = |ticks: &dyn Fn(f64) -> i64, rest_turn_rad: Option<f64>| {
         let mut known = Vec::new();
         drive(Some((0.0, rest_turn_rad)), RIGHT, 11.0, ticks, |_, localizer| {
-            known.push(localizer.gyro_bias_rad_per_s().unwrap());
+            known.push(known_bias(localizer));
         });
         known
     };
