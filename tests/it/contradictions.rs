@@ -1,4 +1,5 @@
-//! Names of contradictions: which bounds and readings a localizer says cannot all be true, without knowing the truth; and what makes its widths.
+//! Tests of what a localizer reports of itself without knowing the truth: which bounds and readings cannot all be true, and how much of the width of
+//! its boxes comes from which bound.
 
 use localizer::bounds;
 use sim::{

@@ -112,7 +112,8 @@ fn after_pushes_that_hide_for_seconds_no_failure_is_called_unsound() {
 fn a_push_is_noticed_and_what_was_learnt_from_it_is_unlearnt() {
     for seed in [43, 44, 45] {
         let mut scene = scene("loop", 22.0);
-        // Within the robot's own limits of motion: a faster push breaks those, too, on which recovery relies.
+        // The push moves the robot no faster than the robot can drive. A faster one would break the declared limits of its speed as well, and on
+        // those limits the localizer relies to recover.
         scene.events.push(Event::Push { at_s: 12.0, displacement_m: [0.0, 0.3], lasts_s: 1.0 });
         let (record, verdict) = judged(&scene, seed);
         let containment = verdict.containment.as_ref().unwrap();

@@ -38,7 +38,8 @@ pub struct SeenPlace {
     pub turn_rad: f64,
 }
 
-/// A seen point at a key frame, with the boxes of all quantities.
+/// A point that a camera saw at a key frame, with all that its place in the robot's frame is computed from: the pose of the key frame and the other
+/// quantities of the graph, each as a reference value and a box around it.
 pub struct PlaceAt<'a> {
     seen: &'a SeenPlace,
     domain: &'a Domain,

@@ -30,8 +30,8 @@ use super::{
 /// Pause after the methods have unlearnt what they learnt from recent readings. In this time they do not unlearn again, so that it shows whether the
 /// first time was enough.
 const UNLEARN_PAUSE_S: f64 = 2.0;
-/// Time after the methods last unlearnt recent readings from which on a contradiction is taken to have a cause of its own. After a contradiction that
-/// comes sooner, the methods unlearn twice as far back as before.
+/// After a contradiction the methods take back what they learnt from recent readings. A further contradiction within this time is taken to have the
+/// same cause, and the methods then take back twice as much time as before; one that comes later is taken to have a cause of its own.
 const UNLEARN_CALM_S: f64 = 15.0;
 /// Least time before the present from which on poses are computed anew when a doubt begins: since then the assumption that failed may already have
 /// contracted poses wrongly.

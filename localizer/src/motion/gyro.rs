@@ -391,8 +391,8 @@ impl Sums {
         self.within(model.noise_rad_per_s * self.lasts_s)
     }
 
-    /// Enclosure of scale·turn + bias·Δt with the gyroscope's bias of the whole run, but for the bounded part of the accumulated angle error at the
-    /// end of the span less that at its start. The part that grows with time is within the enclosure.
+    /// Enclosure of scale·turn + bias·Δt, where bias is that of the whole run. Of the accumulated angle error, the part that grows with time is
+    /// included. The part u that is bounded at every instant is not: what is enclosed is the sum with u(end) − u(start) added.
     fn summed(&self, model: &GyroModel) -> Interval {
         if !model.bounds_angle() {
             return Interval::ENTIRE;

@@ -18,8 +18,8 @@ pub struct SlipExcess {
 }
 
 impl SlipExcess {
-    /// The wheels' model over a span of time: where the span meets excesses, the slip bounds' constant parts (floors) are as wide as the slip
-    /// was, elsewhere as declared.
+    /// The model of the wheels for a span of time. If the wheels provably slipped by more than declared within the span, the constant parts of the
+    /// bounds on slip (floors) are raised to that slip; otherwise the model is the declared one.
     pub(super) fn over<'a>(excesses: &[SlipExcess], span_s: [f64; 2], wheels: &'a WheelModel) -> Cow<'a, WheelModel> {
         let meets = |excess: &&SlipExcess| excess.span_s[0] <= span_s[1] && span_s[0] <= excess.span_s[1];
         excesses.iter().filter(meets).fold(Cow::Borrowed(wheels), |mut wheels, excess| {

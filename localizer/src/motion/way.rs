@@ -31,7 +31,8 @@ use super::{
     integral::{KnownTurns, WheelIntegral, midpoint_remainder},
 };
 
-/// What the wheels and the gyroscope tell of the robot's way between two stamps.
+/// How the robot moved between two stamps, as far as its wheels and its gyroscope tell. The displacement is given by its components along and across
+/// the mid heading, which is the mean of the headings at the two stamps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Way {
     /// Length of time between the two stamps.
@@ -41,7 +42,7 @@ pub struct Way {
     pub ticks: [f64; 2],
     /// Greatest error of the travel of the left and of the right wheel by slip and by quantisation, in metres.
     pub travel_error_m: [f64; 2],
-    /// The part of each wheel's `travel_error_m` that slip makes.
+    /// The part of each wheel's `travel_error_m` that comes from slip.
     pub slip_m: [f64; 2],
     /// What of the half width of `shortening_m` comes from which declared bound; the rest is of second order.
     pub shortening_parts_m: Vec<(Assumption, f64)>,

@@ -152,8 +152,8 @@ fn first_stamp_ns(gathered: &Gathered) -> Option<i64> {
     joints.or_else(|| gathered.odometry.first().map(|one| one.stamp_ns))
 }
 
-/// What there is to say of a log in which the clock of the motion sensors' stamps was set: before and after, stamps say nothing of each other, and the
-/// start pose is known for the log's beginning only.
+/// What the report says of a log during which the clock of the motion sensors was set. The time that passed between a stamp before that and one after
+/// it is unknown, and so is the robot's pose after it, since the start pose is known for the log's beginning only.
 fn clock_step(gathered: &Gathered) -> Option<String> {
     let of_motion = |topic: &account::Topic| matches!(topic.role, Some(Role::Joints | Role::Odometry | Role::Imu));
     let (name, step) = gathered

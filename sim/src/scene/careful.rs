@@ -58,8 +58,8 @@ impl Serialize for Scene {
     }
 }
 
-/// Keys of a scene, with the bounds that a careful user can know for everything that the scene `stated` has. Where `stated` has `true` for a device,
-/// an empty table replaces it, over which the keys of the device can be laid.
+/// The bounds that a careful user can know, as keys of a scene, for every part that the scene `stated` has: its robot and devices, floor, markers and
+/// walls. A device that `stated` has as `true` becomes an empty table there, so that the bounds can be merged into it.
 fn careful(stated: &mut Map<String, Value>) -> Value {
     let preset = stated.get("robot").and_then(|robot| robot.get("preset")).cloned().unwrap_or_default();
     // A preset that the schema does not know is refused later, together with the robot's other keys.

@@ -233,13 +233,13 @@ pub struct LoggedTruth {
     /// Direction of the x axis of the frame in which the true poses are, counter-clockwise from world x.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub heading_deg: f64,
-    /// Place on the robot whose poses the true ones are: its distance forward of the wheel axle.
+    /// The true poses are those of one place on the robot, such as a reflector; this is the distance of that place forward of the wheel axle.
     #[schemars(range(min = -5.0, max = 5.0))]
     pub forward_m: f64,
-    /// Place on the robot whose poses the true ones are: its distance to the left of the robot's middle.
+    /// The true poses are those of one place on the robot; this is the distance of that place to the left of the robot's middle.
     #[schemars(range(min = -5.0, max = 5.0))]
     pub left_m: f64,
-    /// Angle from the robot's forward direction to the x axis of that whose poses the true ones are, counter-clockwise.
+    /// Counter-clockwise angle from the robot's forward direction to the direction that the headings of the true poses give.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub yaw_deg: f64,
 }

@@ -52,7 +52,7 @@ pub(super) struct SightPlane {
     /// Vectors that may be added to the normal, each times any number from −1 to 1: by both ends' bounds, the principal point along u and
     /// v, and the focal length.
     pub(super) moves: [Vector3<f64>; MOVING.len()],
-    /// Greatest length of the remaining error of the plane's unit normal.
+    /// Greatest length of the part of the normal's error that `moves` does not contain.
     pub(super) rest: f64,
 }
 

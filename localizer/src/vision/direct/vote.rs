@@ -149,7 +149,8 @@ fn sharpened(families: &[Vec<RidgePoint>; 2], angle_rad: f32, cell_px: f32, size
             |family: usize| offsets(&families[family], angle_rad + family as f32 * FRAC_PI_2, cell_px, size_px);
         [0, 1].into_iter().flat_map(of_family).map(|histogram| histogram.energy()).sum()
     };
-    // A line across the whole image stays within one bin of offsets for half a degree, so that steps of 0.4° cannot jump over the peak.
+    // When the angle is wrong by up to half a degree, the points of a line across the whole image still fall into one bin of offsets. Angles tried at
+    // steps of 0.4° therefore cannot miss the peak.
     let tried: Vec<(f32, f32)> =
         (-8..=8).map(|step| angle_rad + 0.007 * step as f32).map(|angle_rad| (angle_rad, energy(angle_rad))).collect();
     tried.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(angle_rad, |best| best.0)

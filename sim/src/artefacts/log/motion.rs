@@ -54,7 +54,8 @@ pub(super) fn told(scene: &Scene, keys: &Log, gathered: &Gathered) -> Scene {
     told
 }
 
-/// Puts the bounds on slip that hold all that the law of the odometry's error allows in the place of those on the wheels.
+/// Replaces the declared bounds on the slip of the wheels by ones that the law of the odometry's error implies: wheels whose slip is within them can
+/// make every error of the odometry that the law allows.
 fn rely_on_law(told: &mut Scene, law: &OdometryLaw) {
     let along = ErrorLaw { floor_m: law.floor_m, share: law.share, m_per_s: law.m_per_s };
     let aside = ErrorLaw { floor_m: law.aside_floor_m, share: law.aside_share, m_per_s: law.aside_m_per_s };

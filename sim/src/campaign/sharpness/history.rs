@@ -212,8 +212,9 @@ pub(super) struct Step<T> {
 }
 
 impl<T: Number> Step<T> {
-    /// The travel with constant speed and turn rate that leads from one pose to another: with mid heading β and half turn ½τ the displacement along β
-    /// and across it is (along, left)·sin ½τ / ½τ.
+    /// The step that leads from one pose to another at constant speed and constant turn rate τ over the step. The robot then drives on an arc, whose
+    /// chord is shorter than the travel by the factor sin ½τ / ½τ: along the mean β of the two headings the displacement is `along_m` times that
+    /// factor, and across β it is `left_m` times that factor.
     fn between(from: Pose, to: Pose) -> Step<T> {
         let (from_rad, to_rad) = (T::of(from.heading_rad), T::of(to.heading_rad));
         let half = T::of(0.5);

@@ -35,8 +35,9 @@ pub(super) struct LensMap {
 pub(super) struct MapCell {
     /// First pixel of the map cell, and the pixel just after its last, along u and v.
     bounds_px: [[f32; 2]; 2],
-    /// Coefficients of the cell's polynomials for the difference between place on the plate and pixel, along u and v, for the terms 1, u, v, u²,
-    /// uv, v², u³, u²v, uv², v³. Pixels are counted from the cell's middle.
+    /// Coefficients of two polynomials in a sensor pixel's coordinates u and v, counted from the cell's middle, for the terms 1, u, v, u², uv, v²,
+    /// u³, u²v, uv², v³. The polynomials give how far, along u and along v, the place from which the pixel takes its light lies from the pixel's
+    /// own coordinates; that place is one in the image that a pinhole camera would take.
     terms: [[f32; 2]; N_TERMS],
 }
 

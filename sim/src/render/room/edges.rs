@@ -12,7 +12,8 @@ use crate::place::{
     light::{Lighting, Shape},
 };
 
-/// Overlap up to which two panels (flat faces) count as touching and not as running through each other.
+/// Length up to which two flat faces may reach into each other and still count as touching. Faces that reach farther into each other cross, and get
+/// an edge along the line in which they cross.
 const MEETING_M: f64 = 0.002;
 
 /// Device layout of `Edge` of edge.wgsl: one edge of a face.

@@ -81,7 +81,8 @@ fn a_scale_that_would_vary_a_hair_more_than_declared_is_refused() {
     assert_eq!((ahead(&flow, most_m * 1.0001), ahead(&flow, most_m * 0.9999)), (Some(bounds::FLOW_SCALE), None));
     let least_m = 7999.0 / (1.002 * 20_000.0) - 0.4;
     assert_eq!((ahead(&flow, least_m * 1.0001), ahead(&flow, least_m * 0.9999)), (Some(bounds::FLOW_SCALE), None));
-    // To the side less than one count was counted. The scale ahead leaves no more than a share of 1/8000 more or less to the side.
+    // To the side, readings of 0 counts mean that less than one count was counted. The sensor's scale is the same in both directions, and what was
+    // read ahead leaves it uncertain by no more than a share of 1/8000.
     let aside = |flow: &Flow, by_m: f64| {
         let mut changed = history.clone();
         pushed(&mut changed, 1, 0, N_STEPS, by_m);
