@@ -134,6 +134,19 @@ fn an_older_scene_is_refused_with_the_new_names() {
 }
 
 #[test]
+fn the_hint_names_the_extended_file_that_holds_the_old_key() {
+    let scene = format!("extends = \"old.base.toml\"\n{}", NOW.replace("track_m = 0.2 # from tyre to tyre\n", ""));
+    let files = [("scene.toml", scene.as_str()), ("old.base.toml", "[robot]\ntrack_m = 0.2\n")];
+    let folder = folder_of("moved_in_a_base", &files);
+    let error = Scene::load(&folder.join("scene.toml")).unwrap_err().to_string();
+    let base = folder.join("old.base.toml");
+    assert!(error.contains(&format!("`wherein upgrade {}` rewrites a scene", base.display())), "{error}");
+    let (code, _, errors) = outcome(&mut wherein(&folder, &["upgrade", base.to_str().unwrap()]));
+    assert_eq!(code, 0, "{errors}");
+    assert_eq!(Scene::load(&folder.join("scene.toml")).unwrap().robot.base.track_m, 0.2);
+}
+
+#[test]
 fn the_command_rewrites_files_and_folders_or_none_of_them() {
     let folder = folder_of(
         "upgrade",

@@ -34,7 +34,7 @@ impl Scene {
 /// Reads the scene that `sources` state; a map file that it names lies in `folder`. Also returns the whole scene as one text.
 pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, String), SceneError> {
     let whole = sources.merged().and_then(|document| {
-        let scene = valid(&document, sources.text(), folder)?;
+        let scene = valid(&document, &sources, folder)?;
         if sources.is_one() {
             return Ok((scene, sources.text().to_owned()));
         }
@@ -45,9 +45,9 @@ pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, St
     whole.map_err(|problems| sources.refuse(problems))
 }
 
-/// Makes a valid scene of `document`, whose spans are ranges of bytes of `text`.
-fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
-    let departures = conform::departures(document, text);
+/// Makes a valid scene of `document`, which was merged from `sources`.
+fn valid(document: &Spanned<DeTable<'_>>, sources: &Sources, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
+    let departures = conform::departures(document, sources);
     if !departures.is_empty() {
         return Err(departures);
     }
@@ -61,13 +61,13 @@ fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> 
         .map_or_else(|| places::contradictions(&scene), |unreadable| vec![unreadable])
         .into_iter()
         .chain(stated_twice(document))
-        .map(|contradiction| contradiction.in_text(document, text))
+        .map(|contradiction| contradiction.in_text(document, sources.text()))
         .collect();
     if !misplaced.is_empty() {
         return Err(misplaced);
     }
     // Markers can be laid out only for a scene that is valid otherwise.
-    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(document, text)])?;
+    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(document, sources.text())])?;
     Ok(scene)
 }
 

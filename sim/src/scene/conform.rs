@@ -12,11 +12,12 @@ use super::{
     moved::place_now,
     problem::Problem,
     schema::{alternatives, choices, numbers, resolve, schema, type_name},
+    sources::Sources,
 };
 
-/// All departures of `document` from the schema. The document was parsed from `text`.
-pub(crate) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Problem> {
-    let mut walk = Walk { text, problems: Vec::new() };
+/// All departures of `document` from the schema. The document was merged from `sources`.
+pub(crate) fn departures(document: &Spanned<DeTable<'_>>, sources: &Sources) -> Vec<Problem> {
+    let mut walk = Walk { sources, problems: Vec::new() };
     walk.table(document.get_ref(), document.span(), resolve(schema()), "");
     walk.problems.sort_by_key(|problem| problem.span.start);
     walk.problems
@@ -39,8 +40,8 @@ pub(crate) fn excerpt(text: &str) -> String {
     if line.chars().count() > LONGEST { line.chars().take(LONGEST).chain(['…']).collect() } else { line.to_owned() }
 }
 
-struct Walk<'text> {
-    text: &'text str,
+struct Walk<'a> {
+    sources: &'a Sources,
     problems: Vec<Problem>,
 }
 
@@ -85,7 +86,11 @@ impl Walk<'_> {
             } else if node["additionalProperties"] == Value::Bool(false) {
                 let names = known.into_iter().flat_map(|known| known.keys()).map(String::as_str);
                 let expected = match (place_now(&path), nearest(name.get_ref(), names.clone())) {
-                    (Some(now), _) => format!("moved, expected `{now}`; `wherein upgrade SCENE` rewrites a scene"),
+                    (Some(now), _) => {
+                        // The command rewrites the files that it is given, but not those that they extend.
+                        let file = self.sources.base_at(&name.span()).unwrap_or("SCENE");
+                        format!("moved, expected `{now}`; `wherein upgrade {file}` rewrites a scene")
+                    }
                     (None, Some(meant)) => format!("unknown key, expected `{meant}`?"),
                     (None, None) => format!("unknown key, expected one of {}", names.collect::<Vec<_>>().join(", ")),
                 };
@@ -180,7 +185,7 @@ impl Walk<'_> {
     }
 
     fn report(&mut self, span: Range<usize>, key: &str, expected: String, node: &'static Value) {
-        let value = Some(excerpt(&self.text[span.clone()]));
+        let value = Some(excerpt(&self.sources.text()[span.clone()]));
         self.problems.push(Problem {
             key: key.to_owned(),
             value,

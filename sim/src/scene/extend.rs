@@ -124,8 +124,7 @@ impl Sources {
     /// Makes the error that refuses the scene because of `problems`. Enters in each problem the name of the file in which it stands.
     pub(crate) fn refuse(self, mut problems: Vec<Problem>) -> SceneError {
         for problem in &mut problems {
-            let place = self.files.iter().position(|source| source.holds(&problem.span));
-            problem.file = place.filter(|index| *index > 0).map(|index| self.files[index].name.clone());
+            problem.file = self.base_at(&problem.span).map(str::to_owned);
         }
         SceneError::Invalid { sources: self, problems: Problems(problems) }
     }

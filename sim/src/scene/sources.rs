@@ -41,6 +41,12 @@ impl Sources {
         self.files.len() == 1
     }
 
+    /// Name of the file in which a range of bytes of the joined text lies; `None` if that is the scene's own file.
+    pub(super) fn base_at(&self, span: &Range<usize>) -> Option<&str> {
+        let place = self.files.iter().position(|source| source.holds(span))?;
+        (place > 0).then(|| self.files[place].name.as_str())
+    }
+
     /// Name of the scene's own file.
     pub fn name(&self) -> &str {
         self.files.first().map_or("", |file| &file.name)
