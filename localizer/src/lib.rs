@@ -20,6 +20,7 @@
 //! |---|---|
 //! | [`pose`] | a [`Pose`], a box of poses ([`PoseBox`]), and the union of boxes that an estimate consists of ([`PoseUnion`]) |
 //! | [`rigid_motion`] | contractors of a pose, from landmarks known in two frames |
+//! | [`bounds`] | the table of declared bounds, each an [`Assumption`]: name, unit and meaning |
 //! | [`robot`] | what is known of the robot: [`RobotModel`], its devices and their declared bounds |
 //! | [`markers`], [`map`] | what is known of the building: printed markers, and the [`Map`] with tiles, walls and markers |
 //! | [`reading`] | the sensor readings that the localizer is given: [`Reading`] |
@@ -27,7 +28,8 @@
 //! | [`graph`] | linear rows that relate poses, landmarks and constants, and keep what boxes lose |
 //! | [`vision`] | from an image to features, without poses or maps |
 //! | [`calibration`] | what is measured before a robot drives |
-//! | [`method`] | what every method offers: [`Method`], which makes a [`Constraint`] of a reading, with [`Claim`]s and [`Assumption`]s |
+//! | [`quota`] | how many of a method's claims may be false |
+//! | [`method`] | what every method offers: [`Method`], which makes a [`Constraint`] of a reading, with [`Claim`]s and the bounds that it relies on |
 //! | [`methods`] | one file for each cue: joints of floor tiles, directions of walls, landmarks, markers of the ceiling |
 //! | [`baselines`] | point methods and printed algorithms, to compare with; nothing else uses them |
 //! | [`localizer`] | the [`Localizer`], its [`Estimate`]s and their [`Status`] |
