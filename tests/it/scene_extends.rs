@@ -53,6 +53,38 @@ fn tables_merge_key_by_key_and_any_other_value_replaces_the_whole() {
 }
 
 #[test]
+fn added_entries_come_after_those_of_all_files_below() {
+    let crate_at =
+        |list: &str, x_m: f64| format!("[[{list}]]\nx_m = {x_m:?}\ny_m = 1.5\nsize_m = [0.1, 0.1]\nheight_m = 0.2\n");
+    let base = blind_scene(10.0, &crate_at("furniture", 1.5));
+    let wide = format!("extends = \"base.toml\"\n{}", crate_at("adds.furniture", 2.0));
+    let far = "adds.route.waypoint = [{ x_m = 3.5, y_m = 1.0 }]\n";
+    let scene = format!("extends = \"wide.toml\"\nroom.width_m = 4.0\n{far}{}", crate_at("adds.furniture", 2.5));
+    let own = format!("extends = \"wide.toml\"\n{}{}", crate_at("furniture", 1.8), crate_at("adds.furniture", 2.2));
+    let texts = [("base.toml", &base), ("wide.toml", &wide), ("scene.toml", &scene), ("own.toml", &own)];
+    let folder = files("adds", &texts.map(|(name, text)| (name, text.as_str())));
+    let places = |scene: &Scene| scene.furniture.iter().map(|piece| piece.x_m).collect::<Vec<f64>>();
+    let added = loaded(&folder.join("scene.toml"));
+    assert_eq!(places(&added), [1.5, 2.0, 2.5]);
+    assert_eq!(added.route.unwrap().waypoints.last().unwrap().x_m, 3.5);
+    assert_eq!(places(&loaded(&folder.join("own.toml"))), [1.8, 2.2]);
+}
+
+#[test]
+fn what_is_added_to_no_list_is_refused() {
+    let folder = files("adds_no_list", &[("base.toml", &blind_scene(1.0, "")), ("scene.toml", "")]);
+    for (adds, refused) in [
+        ("adds = 3", "`adds = 3`: a whole number, expected entries of a list"),
+        ("adds.duration_s = 3", "`adds.duration_s = 3`: a whole number, expected entries of a list"),
+        ("adds.mass = 3", "`adds.mass = 3`: a whole number, expected entries of a list"),
+    ] {
+        fs::write(folder.join("scene.toml"), format!("extends = \"base.toml\"\n{adds}\n")).unwrap();
+        let error = Scene::load(&folder.join("scene.toml")).unwrap_err().to_string();
+        assert!(error.contains(refused), "{error}");
+    }
+}
+
+#[test]
 fn a_description_is_a_files_own_and_expectations_are_taken_over_as_a_whole_or_not_at_all() {
     let base = format!("description = \"base\"\n{}", blind_scene(1.0, "[expect]\nunsound = 0\nperception = 0\n"));
     let inherits = "extends = \"base.toml\"\n";

@@ -16,7 +16,7 @@ use super::{
     SceneError,
     conform::{excerpt, found},
     problem::{Problem, Problems},
-    schema::EXTENDS,
+    schema::{ADDS, EXTENDS},
     sources::{Source, Sources},
 };
 
@@ -90,35 +90,50 @@ impl Sources {
         }
     }
 
-    /// All files merged into one document, without their keys `extends`. Spans in the document are ranges of bytes of the joined `text`.
+    /// All files merged into one document, without their keys `extends` and `adds`. Spans in the document are ranges of bytes of the joined `text`.
     pub(crate) fn merged(&self) -> Result<Spanned<DeTable<'_>>, Vec<Problem>> {
+        let tables: Vec<DeTable<'_>> =
+            self.files.iter().map(|source| self.table_of(source)).collect::<Result<_, _>>()?;
         let mut merged = DeTable::new();
-        for source in &self.files {
-            let start = source.span.start;
-            let document = DeTable::parse(&self.text[source.span.clone()])
-                .map_err(|error| vec![Problem::of_toml(&error, start)])?;
-            let mut table = shifted_table(document.into_inner(), start);
-            let stated = table.remove("extends");
-            // A file that states `extends` is followed by the file that it extends. So the last text states it only if it comes from no file.
-            let is_last = source.span.end == self.text.len();
-            if let Some(base) = stated.filter(|_| is_last) {
-                let value = excerpt(&self.text[base.span()]);
-                let stated = Stated { value, base: String::new(), span: base.span() };
-                return Err(vec![stated.problem(
-                    "stands in a text without a file, expected all keys in the text itself, as `wherein scene` prints them".to_owned(),
-                )]);
+        for mut table in tables.into_iter().rev() {
+            let adds = table.remove("adds");
+            if table.contains_key("expect") {
+                merged.remove("expect");
             }
-            let is_base = start > 0;
-            if is_base {
-                table.remove("description");
-                move_map(&mut table, &source.folder);
+            lay_under(&mut table, merged);
+            if let Some(adds) = adds {
+                add(&mut table, adds, "adds").map_err(|problem| {
+                    let value = Some(excerpt(&self.text[problem.span.clone()]));
+                    vec![Problem { value, ..*problem }]
+                })?;
             }
-            if merged.contains_key("expect") {
-                table.remove("expect");
-            }
-            lay_under(&mut merged, table);
+            merged = table;
         }
         Ok(Spanned::new(0..self.text.len(), merged))
+    }
+
+    /// What one of the files states, without its key `extends` and without what a file that extends it does not take over.
+    fn table_of(&self, source: &Source) -> Result<DeTable<'_>, Vec<Problem>> {
+        let start = source.span.start;
+        let document =
+            DeTable::parse(&self.text[source.span.clone()]).map_err(|error| vec![Problem::of_toml(&error, start)])?;
+        let mut table = shifted_table(document.into_inner(), start);
+        let stated = table.remove("extends");
+        // A file that states `extends` is followed by the file that it extends. So the last text states it only if it comes from no file.
+        let is_last = source.span.end == self.text.len();
+        if let Some(base) = stated.filter(|_| is_last) {
+            let value = excerpt(&self.text[base.span()]);
+            let stated = Stated { value, base: String::new(), span: base.span() };
+            return Err(vec![stated.problem(
+                "stands in a text without a file, expected all keys in the text itself, as `wherein scene` prints them".to_owned(),
+            )]);
+        }
+        let is_base = start > 0;
+        if is_base {
+            table.remove("description");
+            move_map(&mut table, &source.folder);
+        }
+        Ok(table)
     }
 
     /// Makes the error that refuses the scene because of `problems`. Enters in each problem the name of the file in which it stands.
@@ -162,6 +177,41 @@ fn lay_under<'text>(over: &mut DeTable<'text>, under: DeTable<'text>) {
             }
         }
     }
+}
+
+/// Puts entries at the end of lists of the table `to`, each under the key of its list. `path` is the dotted path of `adds`, for messages.
+fn add<'text>(to: &mut DeTable<'text>, adds: Spanned<DeValue<'text>>, path: &str) -> Result<(), Box<Problem>> {
+    let span = adds.span();
+    let refused = |path: &str, found: &str, span: Range<usize>| {
+        Box::new(Problem {
+            key: path.to_owned(),
+            value: None,
+            expected: format!("{found}, expected entries of a list, such as `[[adds.furniture]]`"),
+            span,
+            help: Some(format!("`adds`: {ADDS}")),
+            file: None,
+        })
+    };
+    let adds = match adds.into_inner() {
+        DeValue::Table(adds) => adds,
+        other => return Err(refused(path, found(&other), span)),
+    };
+    for (name, value) in adds {
+        let path = format!("{path}.{}", name.get_ref());
+        let (span, is_list) = (value.span(), value.get_ref().as_array().is_some());
+        let missing = if is_list { DeValue::Array(DeArray::new()) } else { DeValue::Table(DeTable::new()) };
+        let there = to.entry(name).or_insert_with(|| Spanned::new(span.clone(), missing)).get_mut();
+        match (there, value.get_ref()) {
+            (DeValue::Table(there), _) => add(there, value, &path)?,
+            (DeValue::Array(there), DeValue::Array(_)) => {
+                if let DeValue::Array(more) = value.into_inner() {
+                    more.into_iter().for_each(|entry| there.push(entry));
+                }
+            }
+            (_, other) => return Err(refused(&path, found(other), span)),
+        }
+    }
+    Ok(())
 }
 
 /// Rewrites the path of a map file in `table`: it is relative to the file that states it, and becomes relative to the scene's own file. `folder` is

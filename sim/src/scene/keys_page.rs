@@ -4,7 +4,7 @@ use std::{collections::VecDeque, fmt::Write};
 
 use serde_json::Value;
 
-use super::schema::{EXTENDS, alternatives, choices, numbers, resolve, schema, type_name};
+use super::schema::{ADDS, EXTENDS, alternatives, choices, numbers, resolve, schema, type_name};
 
 const HEAD: &str = "\
 # Keys of a scene
@@ -52,6 +52,7 @@ fn write_table(text: &mut String, table: &Table) -> Vec<Table> {
     let (mut inner, mut rows) = (Vec::new(), String::new());
     if table.path.is_empty() {
         let _ = writeln!(rows, "| `extends` | {EXTENDS} See [Scenes that build on others](extends.md). | text |  |");
+        let _ = writeln!(rows, "| `adds` | {ADDS} | table of lists |  |");
     }
     for (key, property) in table.node["properties"].as_object().into_iter().flatten() {
         let tables = tables_of(property);

@@ -11,9 +11,14 @@ use super::Scene;
 pub(super) const EXTENDS: &str = "A file on whose keys this one builds, as a path from this file's folder. Tables merge key by key, and this file \
 wins; any other value, lists included, replaces the whole. `description` is never taken over, `[expect]` only as a whole.";
 
+/// Explanation of the key `adds`, for the schema.
+pub(super) const ADDS: &str = "Entries to put at the end of lists of the file that this one extends, each under the key of its list: \
+`[[adds.furniture]]` is one more piece of furniture.";
+
 /// Text of the schema, as in `scenes/schema.json`. It describes a single scene file, which may extend another file and then leave out keys.
 pub fn schema_text() -> String {
     let mut file = schema().clone();
+    file["properties"]["adds"] = json!({ "description": ADDS, "type": "object" });
     file["properties"]["extends"] = json!({ "description": EXTENDS, "type": "string" });
     ask_for_nothing(&mut file, "");
     // A `Value` that came from a schema can always be written as text, since its keys are strings.
