@@ -57,7 +57,7 @@ impl Crate {
             let children: Vec<&str> = self
                 .files
                 .keys()
-                .filter_map(|child| Some(child.split_last()?))
+                .filter_map(|child| child.split_last())
                 .filter(|(_, parent)| parent == module)
                 .map(|(name, _)| name.as_str())
                 .collect();
