@@ -80,7 +80,7 @@ impl Belief {
 
     /// Carries the belief on by a step of the robot.
     pub(crate) fn step(&mut self, step: &Step, layout: &Layout, robot: &RobotModel, tuning: &Tuning) {
-        let moved = Moved::of(step, self, layout, robot, tuning);
+        let moved = Moved::of(step, &self.mean, layout, robot, tuning);
         let n = self.mean.len();
         let middle_rad = self.mean[2] + 0.5 * moved.turn_rad;
         let (sin, cos) = middle_rad.sin_cos();

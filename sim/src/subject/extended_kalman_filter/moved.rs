@@ -1,11 +1,11 @@
 //! What one step of the robot does to its pose by the motion sensors, and how uncertain that is.
 
 use localizer::RobotModel;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DVector, Matrix3, Vector3};
 
 use crate::subject::cues::{SIGMAS_OF_BOUND, Step, turned};
 
-use super::{Tuning, belief::Belief, layout::Layout};
+use super::{Tuning, layout::Layout};
 
 /// What a step of the robot does to its pose: travel and turn in its own frame, their derivatives by the constants in the state, and their noise.
 pub(crate) struct Moved {
@@ -16,13 +16,14 @@ pub(crate) struct Moved {
 }
 
 impl Moved {
-    pub(crate) fn of(step: &Step, belief: &Belief, layout: &Layout, robot: &RobotModel, tuning: &Tuning) -> Moved {
+    /// What the step does where `mean` is the mean of the filter's state.
+    pub(crate) fn of(step: &Step, mean: &DVector<f64>, layout: &Layout, robot: &RobotModel, tuning: &Tuning) -> Moved {
         let wheels = &robot.wheels;
         let [left, right, track] = layout.wheels;
         let [left_slip, right_slip, side_slip] = layout.slip;
-        let share = |wheel: usize| belief.mean[[left, right][wheel]] + belief.mean[[left_slip, right_slip][wheel]];
+        let share = |wheel: usize| mean[[left, right][wheel]] + mean[[left_slip, right_slip][wheel]];
         let rolled_m = [0, 1].map(|wheel| step.rolled_m[wheel] * (1.0 + share(wheel)));
-        let track_m = wheels.track_m.mid() * (1.0 + belief.mean[track]);
+        let track_m = wheels.track_m.mid() * (1.0 + mean[track]);
         let (path_m, window_s) = (step.rolled_m.map(f64::abs), wheels.slip_window_s);
         // The slip that grows with the way lasts, and is in the state. The floor of its bound is one for each window; those of different windows are
         // taken as independent, so that each step has its share of a window's variance.
@@ -37,8 +38,7 @@ impl Moved {
                 let covered_s = n_rates * gyro.period_s;
                 // Where rates were lost, those that arrived stand for the whole step.
                 let whole = step.span_s / covered_s;
-                let turn_rad = whole * (rates_rad - belief.mean[bias] * covered_s)
-                    / (gyro.scale.mid() * (1.0 + belief.mean[scale]));
+                let turn_rad = whole * (rates_rad - mean[bias] * covered_s) / (gyro.scale.mid() * (1.0 + mean[scale]));
                 by.push((bias, [0.0, 0.0, -step.span_s / gyro.scale.mid()]));
                 by.push((scale, [0.0, 0.0, -turn_rad]));
                 let rate_rad = tuning.motion * SIGMAS_OF_BOUND * gyro.noise_rad_per_s * gyro.period_s;
@@ -54,8 +54,8 @@ impl Moved {
         };
         let (travel_m, travel_m2) = match (step.flowed_m, layout.flow, robot.flow) {
             (Some(flowed_m), Some([scale, change, yaw]), Some(flow)) => {
-                let longer = 1.0 + belief.mean[scale] + belief.mean[change];
-                let along = turned(flowed_m, flow.yaw_rad.mid() + belief.mean[yaw]).map(|m| m * longer);
+                let longer = 1.0 + mean[scale] + mean[change];
+                let along = turned(flowed_m, flow.yaw_rad.mid() + mean[yaw]).map(|m| m * longer);
                 by.extend([scale, change].map(|place| (place, [along[0], along[1], 0.0])));
                 by.push((yaw, [-along[1], along[0], 0.0]));
                 let [arm_ahead_m, arm_left_m] = flow.position_m.map(|side| side.mid());
@@ -74,7 +74,7 @@ impl Moved {
                 by.extend([right, right_slip].map(|place| (place, [0.5 * step.rolled_m[1], 0.0, 0.0])));
                 let mean_path_m = 0.5 * (path_m[0] + path_m[1]);
                 by.push((side_slip, [0.0, mean_path_m, 0.0]));
-                let travel_m = [0.5 * (rolled_m[0] + rolled_m[1]), mean_path_m * belief.mean[side_slip]];
+                let travel_m = [0.5 * (rolled_m[0] + rolled_m[1]), mean_path_m * mean[side_slip]];
                 (travel_m, [0.25 * wheel_m2, floor_m2(mean_path_m, wheels.side_slip_floor_m)])
             }
         };

@@ -108,7 +108,7 @@ fn counts_of_the_flow_sensor_err_by_one_rounding_a_window_and_more_where_the_rob
     let variance_m2 = |span_s: f64, flowed_m: f64| {
         let step =
             Step { stamp_s: 1.0, span_s, rolled_m: [flowed_m; 2], turned: None, flowed_m: Some([flowed_m, 0.0]) };
-        moved::Moved::of(&step, &filter.belief, &filter.layout, &filter.robot, &tuning).noise[(0, 0)]
+        moved::Moved::of(&step, &filter.belief.mean, &filter.layout, &filter.robot, &tuning).noise[(0, 0)]
     };
     // A third of half a count, squared, for a whole window; a tenth of it for a step of a tenth of the window.
     let rounding_m2 = (0.5 * flow.quantisation_counts * flow.metres_per_count.mid() / 3.0).powi(2);
