@@ -33,6 +33,10 @@ pub(crate) use walls::{Edge, heading_of};
 /// Share of a declared bound that is taken for a standard deviation: the bound is three of them.
 pub(crate) const SIGMAS_OF_BOUND: f64 = 1.0 / 3.0;
 
+/// Way in metres over which errors last that the floor makes, namely slip and the error of the flow sensor that the surface makes: after it, 1/e of what
+/// was known of them is left. A robot crosses doorways, carpets' edges and turns about once in a metre.
+pub(crate) const LASTS_M: f64 = 1.0;
+
 /// Way, and turn, that the robot must have gone since the last reading of a camera that was used for another to be used: a picture from the same
 /// place has the same errors, so that a filter that takes them for new ones becomes overconfident at rest. Both are those of the method
 /// `wall_directions`; AMCL has the same rule with greater values.

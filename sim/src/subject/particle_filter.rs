@@ -108,9 +108,9 @@ impl ParticleFilter {
             area_m2: self.area_m2,
             scale: self.tuning.cues,
         };
-        let mean_rad = self.cloud.mean_of(&|sample| back.from(sample.pose, sample.bias_rad_per_s, [0.0; 3])[2]);
+        let mean_rad = self.cloud.mean_of(&|sample| back.from(sample.pose, &sample.errors)[2]);
         let Some(likelihood) = likelihood(seen, mount, &known, mean_rad) else { return };
-        let of_sample = |sample: &Sample| likelihood(back.from(sample.pose, sample.bias_rad_per_s, [0.0; 3]));
+        let of_sample = |sample: &Sample| likelihood(back.from(sample.pose, &sample.errors));
         let Some(best) = best_pose(seen, mean_rad) else {
             self.cloud.weigh(&of_sample);
             return;
@@ -197,7 +197,7 @@ impl Subject for ParticleFilter {
         let ahead_s = (time_s - latest.stamp_s).clamp(0.0, LONGEST_WAY_S);
         let twist = self.cues.twist();
         let answer = |sample: &Sample| {
-            let [x_m, y_m, heading_rad] = way.from(sample.pose, sample.bias_rad_per_s, sample.off);
+            let [x_m, y_m, heading_rad] = way.from(sample.pose, &sample.errors);
             let turn_rad = twist.turn_rad_per_s * ahead_s;
             let [dx, dy] = turned([twist.forward_m_per_s * ahead_s, 0.0], heading_rad + 0.5 * turn_rad);
             let pose = Pose { x_m: x_m + dx, y_m: y_m + dy, heading_rad: heading_rad + turn_rad };

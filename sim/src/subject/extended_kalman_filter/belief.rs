@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix2xX, Matrix3, Matrix3xX, Vector2
 
 use crate::subject::{
     chi_squared,
-    cues::{SIGMAS_OF_BOUND, Step, turned},
+    cues::{LASTS_M, SIGMAS_OF_BOUND, Step, turned},
 };
 
 use super::{
@@ -43,10 +43,6 @@ struct Window {
     rolled_m: [f64; 2],
     path_m: [f64; 2],
 }
-
-/// Way in metres over which slip, and the error of the flow sensor that the floor's surface makes, last: after it, 1/e of what was known of them is
-/// left. A robot crosses doorways, carpets' edges and turns about once in a metre.
-const LASTS_M: f64 = 1.0;
 
 /// Share of right measurements that pass the gate: all within three standard deviations, which are the declared bound.
 const GATE: f64 = 0.9973;
@@ -196,7 +192,7 @@ impl Belief {
     }
 
     /// Updates the belief by a measurement with the given residual, Jacobian and noise, if it passes the gate: if the squared Mahalanobis distance of
-    /// the residual is below the 99 % quantile of χ².
+    /// the residual is below the quantile [`GATE`] of χ².
     pub(crate) fn update(&mut self, rows: &[Row], residual: &DVector<f64>, noise: &DMatrix<f64>) -> bool {
         let n = self.mean.len();
         let mut cross = DMatrix::zeros(n, rows.len());
@@ -264,7 +260,7 @@ impl Window {
     }
 }
 
-/// Squared Mahalanobis distance below which 99 % of right residuals with so many components are.
+/// Squared Mahalanobis distance below which the share [`GATE`] of right residuals with so many components is.
 fn chi_squared_gate(n_rows: usize) -> f64 {
     static GATES: std::sync::LazyLock<[f64; 4]> =
         std::sync::LazyLock::new(|| [1, 2, 3, 4].map(|degrees| chi_squared(GATE, f64::from(degrees))));

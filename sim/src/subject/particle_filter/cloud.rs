@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::subject::cues::SIGMAS_OF_BOUND;
 
 use super::{
-    odometry::Way,
+    odometry::{Errors, N_LASTING, Way},
     resampling::{N_SAMPLES, low_variance, n_bins, n_by_kld},
 };
 
@@ -23,12 +23,10 @@ pub(crate) struct Cloud {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     pub(crate) pose: [f64; 3],
-    /// Bias of the gyroscope less the nominal one.
-    pub(crate) bias_rad_per_s: f64,
+    /// Errors of the motion since its stamp.
+    pub(crate) errors: Errors,
     /// Logarithm of the weight; that of the greatest weight is 0.
     pub(crate) log_weight: f64,
-    /// Error of the motion since, in its standard deviations.
-    pub(crate) off: [f64; 3],
 }
 
 /// Share of the samples that have to have a say for the samples to be kept as they are: below half, they are drawn anew (Doucet, *On sequential
@@ -67,20 +65,24 @@ impl Cloud {
         };
         let sample = |_| {
             let pose = [0, 1, 2].map(|axis| draw(rng, axis));
-            let normal: f64 = StandardNormal.sample(rng);
-            Sample { pose, bias_rad_per_s: bias_sigma_rad_per_s * normal, log_weight: 0.0, off: [0.0; 3] }
+            Sample { pose, errors: drawn(rng, bias_sigma_rad_per_s), log_weight: 0.0 }
         };
         self.samples = (0..N_SAMPLES[1]).map(sample).collect();
         self.samples.truncate(n_by_kld(n_bins(self.samples.iter().map(|sample| sample.pose))));
-        self.draw_offs();
     }
 
     /// Carries the samples on along a way, each with its own error of it.
     pub(crate) fn carry(&mut self, way: &Way) {
-        self.samples
-            .iter_mut()
-            .for_each(|sample| sample.pose = way.from(sample.pose, sample.bias_rad_per_s, sample.off));
-        self.draw_offs();
+        let (kept, rng) = (way.kept(), &mut self.rng);
+        let fresh = (1.0 - kept * kept).sqrt();
+        for sample in &mut self.samples {
+            sample.pose = way.from(sample.pose, &sample.errors);
+            for error in &mut sample.errors.lasting {
+                let normal: f64 = StandardNormal.sample(rng);
+                *error = kept * *error + fresh * normal;
+            }
+        }
+        self.draw_new_errors();
     }
 
     /// Weighted mean of a quantity over the samples.
@@ -124,9 +126,8 @@ impl Cloud {
             if self.rng.random::<f64>() >= share {
                 continue;
             }
-            let normal: f64 = StandardNormal.sample(&mut self.rng);
-            sample.bias_rad_per_s = bias_sigma_rad_per_s * normal;
-            sample.pose = forth.from(draw(&mut self.rng, sample.pose), sample.bias_rad_per_s, [0.0; 3]);
+            sample.errors = drawn(&mut self.rng, bias_sigma_rad_per_s);
+            sample.pose = forth.from(draw(&mut self.rng, sample.pose), &sample.errors);
         }
     }
 
@@ -164,14 +165,14 @@ impl Cloud {
         let drawn = low_variance(&weights, total, n_samples, self.rng.random());
         self.samples = drawn.into_iter().map(|index| Sample { log_weight: 0.0, ..self.samples[index] }).collect();
         self.regularise();
-        let mean = self.mean_of(&|sample| sample.bias_rad_per_s);
-        let sigma = self.mean_of(&|sample| (sample.bias_rad_per_s - mean).powi(2)).sqrt();
+        let mean = self.mean_of(&|sample| sample.errors.bias_rad_per_s);
+        let sigma = self.mean_of(&|sample| (sample.errors.bias_rad_per_s - mean).powi(2)).sqrt();
         for sample in &mut self.samples {
             let normal: f64 = StandardNormal.sample(&mut self.rng);
-            let towards = mean + (1.0 - SPREAD * SPREAD).sqrt() * (sample.bias_rad_per_s - mean);
-            sample.bias_rad_per_s = towards + SPREAD * sigma * normal;
+            let towards = mean + (1.0 - SPREAD * SPREAD).sqrt() * (sample.errors.bias_rad_per_s - mean);
+            sample.errors.bias_rad_per_s = towards + SPREAD * sigma * normal;
         }
-        self.draw_offs();
+        self.draw_new_errors();
     }
 
     /// Spreads the poses of samples that have been drawn anew by a kernel of the shape of their covariance.
@@ -189,8 +190,18 @@ impl Cloud {
         }
     }
 
-    fn draw_offs(&mut self) {
+    fn draw_new_errors(&mut self) {
         let rng = &mut self.rng;
-        self.samples.iter_mut().for_each(|sample| sample.off = [0; 3].map(|_| StandardNormal.sample(rng)));
+        self.samples.iter_mut().for_each(|sample| sample.errors.new = [0; 3].map(|_| StandardNormal.sample(rng)));
+    }
+}
+
+/// Errors of the motion of a sample of which nothing is known yet.
+fn drawn(rng: &mut ChaCha8Rng, bias_sigma_rad_per_s: f64) -> Errors {
+    let normal: f64 = StandardNormal.sample(rng);
+    Errors {
+        bias_rad_per_s: bias_sigma_rad_per_s * normal,
+        lasting: [0; N_LASTING].map(|_| StandardNormal.sample(rng)),
+        new: [0; 3].map(|_| StandardNormal.sample(rng)),
     }
 }

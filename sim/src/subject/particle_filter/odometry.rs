@@ -1,12 +1,12 @@
 //! The robot's way as its motion sensors measure it, for a filter that samples it: a pose by dead reckoning, and how uncertain it has become.
 
-use std::collections::VecDeque;
+use std::{array, collections::VecDeque};
 
 use localizer::RobotModel;
 
 use crate::subject::{
     Tuning,
-    cues::{SIGMAS_OF_BOUND, Step, turned},
+    cues::{LASTS_M, SIGMAS_OF_BOUND, Step, turned},
 };
 
 /// Dead reckoning over the last moments.
@@ -23,8 +23,12 @@ pub(crate) struct Reckoned {
     pose: [f64; 3],
     /// Time over which the turn was that of the gyroscope, by its nominal bias.
     biased_s: f64,
-    /// Sums over all steps of the variances of the travel ahead, of that to the side, and of the turn.
+    /// Sums over all steps of the variances of the travel ahead, of that to the side, and of the turn, by errors that are new in each step.
     variances: [f64; 3],
+    /// Sums over all steps of what each lasting error of one standard deviation does to the same three.
+    lasting: [[f64; 3]; N_LASTING],
+    /// Way so far, without signs.
+    path_m: f64,
 }
 
 /// The way between two stamps in the frame of the robot at the first, and the standard deviations of travel ahead, to the side, and turn.
@@ -32,8 +36,30 @@ pub(crate) struct Reckoned {
 pub(crate) struct Way {
     pub(crate) moved: [f64; 3],
     pub(crate) sigma: [f64; 3],
+    lasting: [[f64; 3]; N_LASTING],
+    path_m: f64,
     /// Time over which the turn was that of the gyroscope; negative for a way back.
     biased_s: f64,
+}
+
+/// Number of errors that grow with the way and last: those of the left and of the right wheel, of the direction of travel (slip to the side, or the yaw
+/// of the flow sensor), of the flow sensor's scale and of the gyroscope's scale.
+pub(crate) const N_LASTING: usize = 5;
+const LEFT: usize = 0;
+const RIGHT: usize = 1;
+const DIRECTION: usize = 2;
+const FLOW_SCALE: usize = 3;
+const GYRO_SCALE: usize = 4;
+
+/// The errors of the motion of one sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Errors {
+    /// Bias of the gyroscope less the nominal one.
+    pub(crate) bias_rad_per_s: f64,
+    /// Errors that last, each in its standard deviations.
+    pub(crate) lasting: [f64; N_LASTING],
+    /// Error ahead, to the side and of turn that is new on this way, in standard deviations.
+    pub(crate) new: [f64; 3],
 }
 
 /// Time for which the way is kept, longer than any image takes to arrive.
@@ -50,48 +76,55 @@ impl Odometry {
 
     /// Adds a step of the robot: the turn by the gyroscope, the travel by the flow sensor, and either by the wheels where there is no such reading.
     pub(crate) fn add(&mut self, step: &Step) {
-        let Reckoned { pose, mut biased_s, mut variances, .. } = self.latest();
+        let Reckoned { pose, mut biased_s, mut variances, mut lasting, path_m, .. } = self.latest();
         let (robot, wheels) = (&self.robot, &self.robot.wheels);
         let track_m = wheels.track_m.mid();
         let factor = self.tuning.motion * SIGMAS_OF_BOUND;
-        // Slip is bounded over windows. Errors of different windows are taken as independent, so that each step has its share of a window's variance.
+        // The floor of a bound on slip is one for each window. Those of different windows are taken as independent, so that each step has its share of a
+        // window's variance.
         let windows = step.span_s / wheels.slip_window_s;
-        let of_window = |path_m: f64, bound_m: &dyn Fn(f64) -> f64| {
-            if path_m > 0.0 { (factor * bound_m(path_m / windows)).powi(2) * windows } else { 0.0 }
+        let floor_m2 = |path_m: f64, floor_m: f64| {
+            if path_m > 0.0 { (factor * floor_m).powi(2) * windows } else { 0.0 }
         };
         let share = |of: interval::Interval| 0.5 * of.width() / of.mid();
-        let wheel_m2 = |wheel: usize| {
-            let ratio = wheels.slip_ratio + share(wheels.radius_m[wheel]);
-            of_window(step.rolled_m[wheel].abs(), &|path_m| ratio * path_m + wheels.slip_floor_m)
-        };
-        let wheels_m2 = wheel_m2(0) + wheel_m2(1);
+        let wheels_m2 = step.rolled_m.iter().map(|rolled_m| floor_m2(rolled_m.abs(), wheels.slip_floor_m)).sum::<f64>();
+        let slipped_m =
+            [0, 1].map(|wheel| factor * wheels.slip_ratio.hypot(share(wheels.radius_m[wheel])) * step.rolled_m[wheel]);
+        let mut last = |error: usize, by: [f64; 3]| (0..3).for_each(|axis| lasting[error][axis] += by[axis]);
         let (turn_rad, turn_rad2) = match (step.turned, robot.gyro) {
             (Some((rates_rad, n_rates)), Some(gyro)) => {
                 let rate_rad_per_s = rates_rad / (n_rates * gyro.period_s) - gyro.bias_rad_per_s.mid();
                 let turn_rad = rate_rad_per_s * step.span_s / gyro.scale.mid();
-                let white_rad = factor * gyro.noise_rad_per_s * step.span_s / n_rates.sqrt();
                 biased_s += step.span_s;
-                let scaled_rad2 = of_window(turn_rad.abs(), &|turned_rad| share(gyro.scale) * turned_rad);
-                (turn_rad, white_rad.powi(2) + scaled_rad2)
+                last(GYRO_SCALE, [0.0, 0.0, factor * share(gyro.scale) * turn_rad]);
+                (turn_rad, (factor * gyro.noise_rad_per_s * step.span_s / n_rates.sqrt()).powi(2))
             }
-            _ => ((step.rolled_m[1] - step.rolled_m[0]) / track_m, wheels_m2 / track_m.powi(2)),
+            _ => {
+                last(LEFT, [0.0, 0.0, -slipped_m[0] / track_m]);
+                last(RIGHT, [0.0, 0.0, slipped_m[1] / track_m]);
+                ((step.rolled_m[1] - step.rolled_m[0]) / track_m, wheels_m2 / track_m.powi(2))
+            }
         };
+        let rolled_m = 0.5 * (step.rolled_m[0].abs() + step.rolled_m[1].abs());
         let (travel_m, travel_m2) = match (step.flowed_m, robot.flow) {
             (Some(flowed_m), Some(flow)) => {
                 let along = turned(flowed_m, flow.yaw_rad.mid());
                 let [arm_ahead_m, arm_left_m] = flow.position_m.map(|side| side.mid());
-                let path_m = along[0].hypot(along[1]);
-                let calibrated = share(flow.metres_per_count).hypot(0.5 * flow.yaw_rad.width());
+                let scale = factor * flow.scale_change.hypot(share(flow.metres_per_count));
+                let yaw_rad = factor * 0.5 * flow.yaw_rad.width();
+                last(FLOW_SCALE, [scale * along[0], scale * along[1], 0.0]);
+                last(DIRECTION, [-yaw_rad * along[1], yaw_rad * along[0], 0.0]);
                 let count_m = factor * 0.5 * flow.quantisation_counts * flow.metres_per_count.mid();
                 // Counts are rounded once however often they are read, so that a window has the error of one count.
-                let off_m2 = of_window(path_m, &|path_m| flow.scale_change.hypot(calibrated) * path_m)
-                    + count_m.powi(2) * windows;
+                let off_m2 = count_m.powi(2) * windows;
                 ([along[0] + turn_rad * arm_left_m, along[1] - turn_rad * arm_ahead_m], [off_m2; 2])
             }
             _ => {
+                last(LEFT, [0.5 * slipped_m[0], 0.0, 0.0]);
+                last(RIGHT, [0.5 * slipped_m[1], 0.0, 0.0]);
+                last(DIRECTION, [0.0, factor * wheels.side_slip_ratio * rolled_m, 0.0]);
                 let ahead_m = 0.5 * (step.rolled_m[0] + step.rolled_m[1]);
-                let side = |path_m: f64| wheels.side_slip_ratio * path_m + wheels.side_slip_floor_m;
-                ([ahead_m, 0.0], [0.25 * wheels_m2, of_window(ahead_m.abs(), &side)])
+                ([ahead_m, 0.0], [0.25 * wheels_m2, floor_m2(rolled_m, wheels.side_slip_floor_m)])
             }
         };
         for (sum, variance) in variances.iter_mut().zip([travel_m2[0], travel_m2[1], turn_rad2]) {
@@ -99,7 +132,8 @@ impl Odometry {
         }
         let [dx, dy] = turned(travel_m, pose[2] + 0.5 * turn_rad);
         let pose = [pose[0] + dx, pose[1] + dy, pose[2] + turn_rad];
-        self.way.push_back(Reckoned { stamp_s: step.stamp_s, pose, biased_s, variances });
+        let path_m = path_m + rolled_m;
+        self.way.push_back(Reckoned { stamp_s: step.stamp_s, pose, biased_s, variances, lasting, path_m });
         while self.way.len() > 2 && self.way.front().is_some_and(|first| first.stamp_s < step.stamp_s - KEPT_S) {
             self.way.pop_front();
         }
@@ -117,6 +151,8 @@ impl Odometry {
             pose: between(one.pose, two.pose),
             biased_s: one.biased_s + share * (two.biased_s - one.biased_s),
             variances: between(one.variances, two.variances),
+            lasting: array::from_fn(|error| between(one.lasting[error], two.lasting[error])),
+            path_m: one.path_m + share * (two.path_m - one.path_m),
         }
     }
 }
@@ -126,19 +162,34 @@ impl Way {
     pub(crate) fn between(from: &Reckoned, to: &Reckoned) -> Way {
         let [dx, dy] = turned([to.pose[0] - from.pose[0], to.pose[1] - from.pose[1]], -from.pose[2]);
         let sigma = [0, 1, 2].map(|axis| (to.variances[axis] - from.variances[axis]).max(0.0).sqrt());
-        Way { moved: [dx, dy, to.pose[2] - from.pose[2]], sigma, biased_s: to.biased_s - from.biased_s }
+        let of = |error: usize| [0, 1, 2].map(|axis| to.lasting[error][axis] - from.lasting[error][axis]);
+        Way {
+            moved: [dx, dy, to.pose[2] - from.pose[2]],
+            sigma,
+            lasting: array::from_fn(of),
+            path_m: (to.path_m - from.path_m).abs(),
+            biased_s: to.biased_s - from.biased_s,
+        }
     }
 
-    /// The way without the errors of the motion.
+    /// Share of a lasting error that is left after the way: it forgets itself as a first-order Gauss–Markov process does.
+    pub(crate) fn kept(&self) -> f64 {
+        (-self.path_m / LASTS_M).exp()
+    }
+
+    /// The way without the errors that are new on it.
     pub(crate) fn exactly(self) -> Way {
         Way { sigma: [0.0; 3], ..self }
     }
 
-    /// The pose that a robot reaches from a pose by the way, if its gyroscope's bias is off the nominal one by `bias_rad_per_s`, and with an error of
-    /// so many standard deviations ahead, to the side, and of turn. The error of the turn comes evenly along the way.
-    pub(crate) fn from(&self, [x_m, y_m, heading_rad]: [f64; 3], bias_rad_per_s: f64, off: [f64; 3]) -> [f64; 3] {
-        let off_rad = self.sigma[2] * off[2] - bias_rad_per_s * self.biased_s;
-        let travel = [self.moved[0] + self.sigma[0] * off[0], self.moved[1] + self.sigma[1] * off[1]];
+    /// The pose that a robot reaches from a pose by the way with these errors. The error of the turn comes evenly along the way.
+    pub(crate) fn from(&self, [x_m, y_m, heading_rad]: [f64; 3], errors: &Errors) -> [f64; 3] {
+        let off = |axis: usize| {
+            let lasting = self.lasting.iter().zip(&errors.lasting).map(|(by, error)| by[axis] * error).sum::<f64>();
+            self.sigma[axis] * errors.new[axis] + lasting
+        };
+        let off_rad = off(2) - errors.bias_rad_per_s * self.biased_s;
+        let travel = [self.moved[0] + off(0), self.moved[1] + off(1)];
         let [dx, dy] = turned(travel, heading_rad + 0.5 * off_rad);
         [x_m + dx, y_m + dy, heading_rad + self.moved[2] + off_rad]
     }

@@ -39,7 +39,7 @@ fn a_position_to_the_millimetre_leaves_many_samples_that_are_spread_as_it_says()
     // The position tells neither the heading nor the bias, whose standard deviations stay as they were but for what chance makes of some drawings.
     for (name, sigma, (mean, spread, n_values)) in [
         ("heading", 0.1, spread(&cloud, |sample| sample.pose[2])),
-        ("bias", 0.01, spread(&cloud, |sample| sample.bias_rad_per_s)),
+        ("bias", 0.01, spread(&cloud, |sample| sample.errors.bias_rad_per_s)),
     ] {
         assert!(mean.abs() < sigma && (0.5..1.6).contains(&(spread / sigma)), "{name}: {mean}, {spread}");
         assert!(n_values > 200, "{name}: {n_values} values");
@@ -118,6 +118,45 @@ fn a_late_position_is_compared_with_where_the_robot_was() {
         let Pose { x_m, y_m, .. } = mean_at(&filter, 0.5);
         assert!((x_m - 2.6).abs() < 0.005 && (y_m - 2.05).abs() < 0.005, "{name}: {x_m} {y_m}");
     }
+}
+
+/// Standard deviation of what slip adds to the way of one wheel, over that way.
+fn slip_sigma(filter: &ParticleFilter) -> f64 {
+    let wheels = &filter.robot.wheels;
+    let radius = 0.5 * wheels.radius_m[0].width() / wheels.radius_m[0].mid();
+    SIGMAS_OF_BOUND * wheels.slip_ratio.hypot(radius)
+}
+
+#[test]
+fn slip_that_lasts_spreads_the_samples_along_the_way_as_its_integral_does() {
+    let mut filter = filter();
+    let before = spread(&filter.cloud, |sample| sample.pose[0]).1;
+    drive(&mut filter, 1..=100);
+    filter.carry(filter.odometry.latest());
+    // The integral of a first-order Gauss–Markov process over 10 of its lengths of 1 m has the variance 2·(10 − 1 + e⁻¹⁰)·σ² m², by either wheel for
+    // half of the way. Each step adds the floor of its window.
+    let wheels = &filter.robot.wheels;
+    let floor_m = SIGMAS_OF_BOUND * wheels.slip_floor_m * (0.1 / wheels.slip_window_s * 100.0).sqrt();
+    let by_hand_m = (0.5 * (18.0 * slip_sigma(&filter).powi(2) + floor_m.powi(2)) + before * before).sqrt();
+    let spread_m = spread(&filter.cloud, |sample| sample.pose[0]).1;
+    assert!((0.8..1.3).contains(&(spread_m / by_hand_m)), "{spread_m} m, by hand {by_hand_m} m");
+}
+
+#[test]
+fn slip_that_lasts_is_learnt_from_positions_and_is_known_after_them() {
+    let mut filter = filter();
+    let share = 1.0 + 2.0 * slip_sigma(&filter);
+    for tenth in 1..=40 {
+        drive(&mut filter, tenth..=tenth);
+        let stamp_s = 0.1 * f64::from(tenth);
+        filter.weigh(stamp_s, Mounted::Antenna, &position(2.0 + share * stamp_s, 2.0, 0.002));
+    }
+    let at_m = mean_at(&filter, 4.0).x_m;
+    drive(&mut filter, 41..=43);
+    let gone_m = mean_at(&filter, 4.3).x_m - at_m;
+    // The wheels rolled 0.3 m, the robot went farther by their slip. Filters that take slip for noise would have learnt nothing of it.
+    let learnt = (gone_m / 0.3 - 1.0) / (share - 1.0);
+    assert!((0.25..1.2).contains(&learnt), "{learnt} of the slip");
 }
 
 #[test]
