@@ -436,6 +436,11 @@ fn the_command_writes_a_folder_that_a_report_opens_and_ends_with_the_codes_it_pr
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert!(summary["distribution"]["checks"].as_u64().unwrap() > 20 && summary["containment"].is_null(), "{summary}");
     assert!(summary["distribution"]["nees"]["mean"].as_f64().unwrap() < 30.0);
+    // What a process wrote to its standard error is kept, so that its author sees why it failed.
+    let broken = ["replay", "--robot", robot, log, "--out", "broken", "--subject", "echo 'no such device' >&2; exit 3"];
+    let (code, text, stderr) = outcome(&mut wherein(&folder, &broken));
+    assert_eq!(code, 1, "{stderr}{text}");
+    assert_eq!(fs::read_to_string(folder.join("broken/wheels_mcap/subject.log")).unwrap(), "no such device\n");
     let (code, _, stderr) = outcome(&mut wherein(&folder, &["replay", "--robot", robot, "none.mcap"]));
     assert_eq!(code, 2, "{stderr}");
     assert!(stderr.contains("failed to read log none.mcap"), "{stderr}");

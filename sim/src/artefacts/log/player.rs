@@ -48,6 +48,8 @@ pub(super) struct Played {
     pub(super) n_unused: usize,
     pub(super) n_readings: usize,
     pub(super) failure: Option<Failure>,
+    /// What a localizer in a process of its own wrote for its author.
+    pub(super) subject_log: Option<String>,
     pub(super) readings_digest: String,
 }
 
@@ -89,6 +91,7 @@ impl Player {
             n_unused: 0,
             n_readings: 0,
             failure: None,
+            subject_log: None,
             readings_digest: String::new(),
         };
         Player {
@@ -122,7 +125,7 @@ impl Player {
     pub(super) fn finish(mut self) -> Played {
         self.advance_to(f64::INFINITY);
         self.answer_if_due();
-        self.subject.end();
+        self.played.subject_log = self.subject.end();
         self.played.n_unused += self.positions.len();
         let digest = self.digest.finalize();
         self.played.readings_digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();

@@ -80,6 +80,7 @@ pub struct LogReplay {
     timing: Value,
     scene: Scene,
     truths: Vec<(f64, localizer::Pose)>,
+    subject_log: Option<String>,
 }
 
 impl LogReplay {
@@ -119,6 +120,7 @@ impl LogReplay {
             timing,
             scene: told.told.clone(),
             truths: compared.map(|compared| compared.truths).unwrap_or_default(),
+            subject_log: told.played.subject_log.clone(),
         }
     }
 
@@ -137,6 +139,9 @@ impl LogReplay {
             let map = partial.join("map.png");
             let drawn = log_map(&self.scene, &self.estimates, &self.truths);
             naming("write", &map, drawn.save(&map).map_err(io::Error::other))?;
+            if let Some(log) = self.subject_log.as_ref().filter(|log| !log.is_empty()) {
+                write(run_files::SUBJECT_LOG, log.clone())?;
+            }
             write("timing.json", format!("{:#}\n", self.timing))?;
             write("summary.json", format!("{:#}\n", self.summary))
         })?;

@@ -17,28 +17,26 @@ impl Replay {
         if case.subject_is_elsewhere {
             return Replay(elsewhere(case));
         }
+        let scene = case.scene_path.display().to_string();
+        let log = case.timing().and_then(|timing| timing["log_path"].as_str());
         let mut words = program();
-        if let Some(log) = case.timing().and_then(|timing| timing["log_path"].as_str()) {
-            let robot = case.scene_path.display().to_string();
-            words.extend(["replay".to_owned(), "--robot".to_owned(), robot, log.to_owned()]);
-            if case.subject != SubjectChoice::default().to_string() {
-                words.extend(["--subject".to_owned(), case.subject.clone()]);
-            }
-            words.extend(["--out".to_owned(), out.to_owned()]);
-            return Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "));
+        let mut add = |more: &[&str]| words.extend(more.iter().map(|word| (*word).to_owned()));
+        match log {
+            Some(log) => add(&["replay", "--robot", &scene, log]),
+            None => add(&["run", &scene]),
         }
-        words.extend(["run".to_owned(), case.scene_path.display().to_string()]);
         for setting in &case.settings {
-            words.extend(["--set".to_owned(), setting.to_string()]);
+            add(&["--set", &setting.to_string()]);
         }
         if case.subject != SubjectChoice::default().to_string() {
-            words.extend(["--subject".to_owned(), case.subject.clone()]);
+            add(&["--subject", &case.subject]);
         }
-        words.extend(["--seed".to_owned(), case.seed.to_string()]);
-        // In a case that passed and never lost the truth there is no failure to draw, so that a debug frame of every 20th image is asked for.
-        let is_clean = case.passed() == Some(true) && case.first_failure().is_null();
-        let frames = if is_clean { "every=20" } else { "failures" };
-        words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
+        if log.is_none() {
+            // In a case that passed and never lost the truth there is no failure to draw, so that a debug frame of every 20th image is asked for.
+            let is_clean = case.passed() == Some(true) && case.first_failure().is_null();
+            add(&["--seed", &case.seed.to_string(), "--frames", if is_clean { "every=20" } else { "failures" }]);
+        }
+        add(&["--out", out]);
         Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
     }
 }
