@@ -328,3 +328,6 @@ fn brighter_than_surroundings(image: &GrayImage, half: usize, step: f64) -> Vec<
     }
     mask
 }
+
+#[cfg(test)]
+mod tests;
