@@ -16,8 +16,10 @@ mod account;
 mod bag_database;
 mod containment;
 mod error;
+mod estimate_file;
 mod gathered;
 mod geodesy;
+mod judged;
 mod lenses;
 mod mcap_file;
 mod messages;
@@ -45,6 +47,7 @@ use crate::{
 
 pub use error::LogError;
 use gathered::{Gathered, Manner, Stamped};
+pub use judged::{JudgedEstimates, judge_estimates};
 use lenses::LensFound;
 use motion::Motion;
 use player::Player;
@@ -236,8 +239,9 @@ fn true_path(robot: &SceneFile, keys: &Log, gathered: &Gathered, zero_ns: i64) -
     let Some(truth) = &keys.truth else { return Ok(None) };
     let path = match &truth.tum {
         Some(file) => {
-            let beside = robot.path.parent().unwrap_or(Path::new(""));
-            TruePath::of(&truth::read_tum(&beside.join(file))?, zero_ns, truth, keys.longest_gap_s)
+            let path = robot.path.parent().unwrap_or(Path::new("")).join(file);
+            let poses = truth::read_tum(&path).map_err(|found| LogError::Truth { path, found })?;
+            TruePath::of(&poses, zero_ns, truth, keys.longest_gap_s)
         }
         None => TruePath::of(&gathered.truth, zero_ns, truth, keys.longest_gap_s),
     };

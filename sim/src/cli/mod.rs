@@ -19,6 +19,7 @@ mod conclude;
 mod error;
 mod falsify;
 mod github;
+mod judge;
 mod manual;
 mod map;
 mod markers;
@@ -66,6 +67,7 @@ Examples:
   wherein run scenes/x.toml --live                                the same, live
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording
   wherein replay --robot robot.toml rosbag2_2026_05_04            a localizer on a log that another program recorded
+  wherein judge renders/x/0/recording.mcap --estimate mine.tum    another program's estimates against the recorded truth
   wherein markers scenes/x.toml                                   a printable sheet and the map of its markers
   wherein scene scenes/x.toml                                     the scene with all that it extends, as one text
   wherein upgrade scenes/x.toml                                   a scene of an older version, rewritten for this one
@@ -99,6 +101,8 @@ enum Command {
     /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones; with --robot, runs a localizer on
     /// a log that another program recorded.
     Replay(replay::ReplayArguments),
+    /// Compares estimates that any program made from a recording with the recorded true poses.
+    Judge(judge::JudgeArguments),
     /// Prints a Markdown table of recorded runs, or inserts the table into a document.
     Table(table::TableArguments),
     /// Writes a scene's occupancy grid as files for ROS's map_server.
@@ -155,6 +159,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::render(&arguments, adapter).map(|()| ExitCode::SUCCESS),
         Command::Markers(arguments) => markers::markers(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
+        Command::Judge(arguments) => judge::judge(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Upgrade(arguments) => upgrade::upgrade(&arguments).map(|()| ExitCode::SUCCESS),

@@ -5,7 +5,10 @@ use std::{io, path::PathBuf};
 use thiserror::Error;
 
 use super::{raw_message::Damage, sqlite::SqliteError};
-use crate::{artefacts::run_files::RecordError, scene::SceneError};
+use crate::{
+    artefacts::{recording::RecordingError, run_files::RecordError},
+    scene::SceneError,
+};
 
 /// Reason why a log cannot be replayed. The error's text is phrased to follow "failed to".
 #[derive(Debug, Error)]
@@ -54,6 +57,17 @@ pub enum LogError {
     Unusable {
         /// Path of the log.
         log: PathBuf,
+        /// What was found, and what was expected.
+        found: String,
+    },
+    /// The recording of a run cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A file of estimates cannot be used.
+    #[error("read estimates {}: {found}", path.display())]
+    Estimates {
+        /// Path of the file.
+        path: PathBuf,
         /// What was found, and what was expected.
         found: String,
     },

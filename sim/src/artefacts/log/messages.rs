@@ -76,6 +76,14 @@ pub(super) fn header(message: &[u8]) -> Option<Header> {
     header_of(&mut Fields::of_others(message)?)
 }
 
+/// Stamp in nanoseconds, name and sentence of a `rcl_interfaces/Log`.
+pub(super) fn log(message: &[u8]) -> Option<(i64, String, String)> {
+    let mut fields = Fields::of_others(message)?;
+    let (seconds, nanoseconds, _level) = (fields.i32()?, fields.u32()?, fields.u8()?);
+    let stamp_ns = i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds);
+    Some((stamp_ns, fields.text()?.to_owned(), fields.text()?.to_owned()))
+}
+
 /// The pose of a `nav_msgs/Odometry`.
 pub(super) fn odometry(message: &[u8]) -> Option<(Header, SpatialPose)> {
     let mut fields = Fields::of_others(message)?;

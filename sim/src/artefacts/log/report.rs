@@ -6,6 +6,7 @@
 //! | `timing.json` | how long the replay took |
 //! | `estimate.tum`, `boxes.csv` | the estimates, in seconds since the log's first reading of the wheels |
 //! | `truth.tum` | the true poses at the times of estimates, if the robot's file says where they are |
+//! | `subject.log` | what a localizer in a process of its own wrote to its standard error, if anything |
 //! | `map.png` | the boxes, and the true path, on the map of the rooms |
 
 mod text;

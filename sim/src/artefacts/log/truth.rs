@@ -4,7 +4,7 @@ use std::{f64::consts::TAU, fs, path::Path};
 
 use localizer::Pose;
 
-use super::{LogError, gathered::Stamped, messages::SpatialPose};
+use super::{gathered::Stamped, messages::SpatialPose};
 use crate::scene::LoggedTruth;
 
 /// True poses of the robot in the world frame, in the order of their times.
@@ -102,10 +102,9 @@ fn joined(outer: Pose, inner: Pose) -> Pose {
     }
 }
 
-/// Reads a file of poses in the TUM format. The poses come in the order of their times.
-pub(super) fn read_tum(path: &Path) -> Result<Vec<Stamped<Pose>>, LogError> {
-    let refuse = |found: String| LogError::Truth { path: path.to_owned(), found };
-    let text = fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
+/// Reads a file of poses in the TUM format. The poses come in the order of their times. Errors with what is wrong, and what was expected.
+pub(super) fn read_tum(path: &Path) -> Result<Vec<Stamped<Pose>>, String> {
+    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
     let mut poses: Vec<Stamped<Pose>> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -113,10 +112,10 @@ pub(super) fn read_tum(path: &Path) -> Result<Vec<Stamped<Pose>>, LogError> {
             continue;
         }
         let wrong = |found: &str| {
-            refuse(format!(
+            format!(
                 "line {}: {found}, expected eight finite numbers: time, x, y, z, and a unit quaternion x, y, z, w",
                 index + 1
-            ))
+            )
         };
         let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
         let numbers = numbers.map_err(|_| wrong("a word is no number"))?;
@@ -132,7 +131,7 @@ pub(super) fn read_tum(path: &Path) -> Result<Vec<Stamped<Pose>>, LogError> {
         poses.push(Stamped { stamp_ns, logged_ns: stamp_ns, number: poses.len(), value });
     }
     if poses.is_empty() {
-        return Err(refuse("the file has no pose, expected one in each line".to_owned()));
+        return Err("the file has no pose, expected one in each line".to_owned());
     }
     poses.sort_by_key(|pose| pose.stamp_ns);
     poses.dedup_by_key(|pose| pose.stamp_ns);
