@@ -105,7 +105,7 @@ impl Drive {
         let has_camera = file.scene.has_camera();
         let open = || has_camera.then(|| Renderer::on_adapter(adapter.as_deref())).transpose();
         let renderer = py.detach(open).map_err(|error| errors::of_render(&error))?.map(Box::new);
-        let state = State::Ready { renderer, options: RunOptions { keep_images }, name };
+        let state = State::Ready { renderer, options: RunOptions { keep_images, baselines: false }, name };
         Ok(Drive { file: Arc::new(file), seed, out, state: Mutex::new(state) })
     }
 

@@ -26,7 +26,7 @@ use crate::{
 
 /// Runs scenes with seeds one after another and records each; returns the columns of the table of results.
 #[pyfunction]
-#[pyo3(signature = (paths, seeds, subject, set, out, frames, adapter))]
+#[pyo3(signature = (paths, seeds, subject, set, out, frames, adapter, baselines))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run_scenes(
     py: Python<'_>,
@@ -37,6 +37,7 @@ pub(crate) fn run_scenes(
     out: PathBuf,
     frames: &str,
     adapter: Option<String>,
+    baselines: bool,
 ) -> PyResult<Py<PyDict>> {
     let stop = Stop::default();
     let (seeds, choice, keep_images) = (range(seeds)?, subject_choice(subject, &stop)?, frames_policy(frames)?);
@@ -50,7 +51,7 @@ pub(crate) fn run_scenes(
         let mut folders = Vec::new();
         for (file, seed) in files.iter().flat_map(|file| seeds.clone().map(move |seed| (file, seed))) {
             let used = renderer.as_mut().filter(|_| file.scene.has_camera());
-            let options = RunOptions { keep_images };
+            let options = RunOptions { keep_images, baselines };
             let (record, verdict) = run_judged(&file.scene, seed, &choice, &options, used, &mut (), &mut |_| {})?;
             if asked.is_set() {
                 return Ok(None);
@@ -67,7 +68,7 @@ pub(crate) fn run_scenes(
 
 /// Runs every combination of the values of some keys with every seed, and writes the report; returns the columns of the table of results.
 #[pyfunction]
-#[pyo3(signature = (scene, vary, seeds, subject, out, jobs, frames, adapter))]
+#[pyo3(signature = (scene, vary, seeds, subject, out, jobs, frames, adapter, baselines))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run_sweep(
     py: Python<'_>,
@@ -79,11 +80,12 @@ pub(crate) fn run_sweep(
     jobs: Option<usize>,
     frames: &str,
     adapter: Option<String>,
+    baselines: bool,
 ) -> PyResult<Py<PyDict>> {
     let vary =
         vary.iter().map(|(key, values)| variable(&key.extract::<String>()?, &values)).collect::<PyResult<_>>()?;
     let stop = Stop::default();
-    let sweep = Sweep { scene, vary, seeds: range(seeds)?, subject: subject_choice(subject, &stop)? };
+    let sweep = Sweep { scene, vary, seeds: range(seeds)?, subject: subject_choice(subject, &stop)?, baselines };
     let (frames, jobs) = (frames_policy(frames)?, jobs.unwrap_or_else(cores));
     let asked = stop.clone();
     let results = interruptible(py, &stop, move || {
@@ -91,8 +93,9 @@ pub(crate) fn run_sweep(
         let renderer = begun.renderer.take();
         let (todo, _) = begun.todo(Shard::WHOLE, frames);
         let subject = sweep.subject.until(asked.flag());
+        let options = RunOptions { keep_images: frames, baselines };
         run_cases(
-            Work { cases: &todo, subject: &subject, jobs, frames, renderer, store: &begun.store, stop: asked.flag() },
+            Work { cases: &todo, subject: &subject, jobs, options, renderer, store: &begun.store, stop: asked.flag() },
             &mut |_| {},
         )?;
         if asked.is_set() {

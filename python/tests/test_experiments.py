@@ -47,6 +47,13 @@ def test_runs_give_a_row_for_each_seed(tmp_path):
     assert all((Path(folder) / "summary.json").exists() for folder in frame["folder"])
 
 
+def test_other_methods_run_when_they_are_asked_for(tmp_path):
+    scene = SCENES / "papers" / "rigid_transform_wrong_matches.toml"
+    for asked in (False, True):
+        frame = wherein.run(scene, set={"duration_s": 3.0}, out=tmp_path / str(asked), baselines=asked)
+        assert ("baselines.ransac.error.x_m.rmse" in frame) == asked
+
+
 def test_a_class_can_be_the_localizer_under_test(tmp_path):
     frame = wherein.run(PLAIN, subject=Still, set={"duration_s": 2.0}, out=tmp_path)
     assert list(frame["subject"]) == ["Still"] and list(frame["scene"]) == ["gnss"]

@@ -284,6 +284,7 @@ def run_scenes(
     out: str,
     frames: str,
     adapter: Optional[str],
+    baselines: bool,
 ) -> dict[str, list[Any]]: ...
 def run_sweep(
     scene: str,
@@ -294,6 +295,7 @@ def run_sweep(
     jobs: Optional[int],
     frames: str,
     adapter: Optional[str],
+    baselines: bool,
 ) -> dict[str, list[Any]]: ...
 def report_folder(folder: str) -> dict[str, list[Any]]: ...
 def compare_results(

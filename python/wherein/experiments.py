@@ -37,6 +37,7 @@ def run(
     out: PathLike = "renders",
     frames: str = "none",
     adapter: str | None = None,
+    baselines: bool = False,
 ) -> Any:
     """Runs scenes, or every scene below a folder, as `wherein run` does. Returns a frame with one row for each run.
 
@@ -49,9 +50,10 @@ def run(
     out: folder for the results; each run leaves OUT/<scene>/<seed>/ as the command does.
     frames: images for which debug frames are written: "none", "failures", "every=N" or "all".
     adapter: graphics adapter, by a part of its name.
+    baselines: whether other methods are run on the same readings, too, to compare with; otherwise odometry alone is.
     """
     paths = [scenes] if isinstance(scenes, (str, os.PathLike)) else list(scenes)
-    return frame(_native.run_scenes([os.fspath(path) for path in paths], seeds, subject, set, os.fspath(out), frames, adapter))
+    return frame(_native.run_scenes([os.fspath(path) for path in paths], seeds, subject, set, os.fspath(out), frames, adapter, baselines))
 
 
 def sweep(
@@ -64,17 +66,18 @@ def sweep(
     jobs: int | None = None,
     frames: str = "none",
     adapter: str | None = None,
+    baselines: bool = False,
 ) -> Any:
     """Runs a scene with every combination of the values of some keys, as `wherein sweep` does. Returns a frame with one row for each case.
 
     vary: values by key, such as {"light.illuminance_at_floor_lux": [1, 10, 100]}, or a text as the command has it, such as "0.1..0.8/8".
-    seeds, subject, frames, adapter: as for `run`.
+    seeds, subject, frames, adapter, baselines: as for `run`.
     out: folder for the results and their report, by default sweeps/<scene>. Cases that are recorded there already do not run again, unless the
         localizer under test is a command or a class, which may have changed.
     jobs: number of runs at the same time, by default as many as there are processor cores.
     """
     folder = None if out is None else os.fspath(out)
-    return frame(_native.run_sweep(os.fspath(scene), dict(vary), seeds, subject, folder, jobs, frames, adapter))
+    return frame(_native.run_sweep(os.fspath(scene), dict(vary), seeds, subject, folder, jobs, frames, adapter, baselines))
 
 
 def report(folder: PathLike) -> Any:

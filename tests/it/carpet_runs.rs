@@ -29,8 +29,8 @@ fn led_round(event: serde_json::Value, region: serde_json::Value, flow: bool) ->
 }
 
 fn judged(scene: &Scene, seed: u64) -> (Verdict, f64) {
-    let record =
-        run(scene, seed, &mut IntervalLocalizer::of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let options = RunOptions { baselines: true, ..RunOptions::default() };
+    let record = run(scene, seed, &mut IntervalLocalizer::of(scene), None, &options, &mut |_| {}).unwrap();
     let hull = record.estimates.last().unwrap().pose.hull();
     (verdict_of(scene, &record), hull.width(0).max(hull.width(1)))
 }

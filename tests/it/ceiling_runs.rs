@@ -195,7 +195,8 @@ fn rows(text: &str, heading: &str) -> Vec<Vec<f64>> {
 fn the_papers_tables_agree_with_themselves_and_with_the_boxes() {
     let place = folder("marker_tables");
     let scene = crate::command::root().join("scenes/papers/ir_markers_angles.toml");
-    let (code, _, errors) = outcome(&mut wherein(&place, &["run", scene.to_str().unwrap(), "--out", "out"]));
+    let (code, _, errors) =
+        outcome(&mut wherein(&place, &["run", scene.to_str().unwrap(), "--out", "out", "--baselines"]));
     assert_eq!(code, 0, "{errors}");
     let run = place.join("out/papers/ir_markers_angles/0");
     let text = fs::read_to_string(run.join("marker_tables.md")).unwrap();

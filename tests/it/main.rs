@@ -40,6 +40,8 @@ mod range_landmarks_gaps;
 mod landmark_baselines;
 /// Tests of the point method that computes the pose from ceiling markers for a camera whose vertical is known.
 mod marker_baselines;
+/// Tests of when the methods to compare with run, and of where their time is counted.
+mod baselines_asked;
 /// Tests of the rotation that the gyroscope encloses, against rotation integrated in much finer steps.
 mod gyro_enclosure;
 /// Tests of learning the gyroscope's bias and scale from turns that are known from another source.

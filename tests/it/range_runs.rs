@@ -20,8 +20,8 @@ fn scene(name: &str, duration_s: f64) -> Scene {
 }
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let record =
-        run(scene, seed, &mut IntervalLocalizer::of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let options = RunOptions { baselines: true, ..RunOptions::default() };
+    let record = run(scene, seed, &mut IntervalLocalizer::of(scene), None, &options, &mut |_| {}).unwrap();
     let verdict = verdict_of(scene, &record);
     (record, verdict)
 }

@@ -213,7 +213,7 @@ fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
 
 /// Simulates a run with all its images, and judges it.
 pub(crate) fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let options = RunOptions { keep_images: FramesPolicy::All };
+    let options = RunOptions { keep_images: FramesPolicy::All, baselines: true };
     let record =
         run(scene, seed, &mut IntervalLocalizer::of(scene), Some(&mut renderer()), &options, &mut |_| {}).unwrap();
     let verdict = verdict_of(scene, &record);

@@ -9,7 +9,7 @@
 //! | `steps.csv` | error, width and judgement at every step |
 //! | `distribution.csv` | mean, covariance and normalised error at every step, for a localizer that states distributions |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
-//! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers |
+//! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers with baselines |
 //! | `subject.log` | what a tested localizer in a process of its own wrote to its standard error, if anything |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was given and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |

@@ -180,7 +180,8 @@ impl Timing {
 
     /// Content of the file `timing.json`. Its `program` is the digest of the executable, by which `--resume` recognises results of its own build; its
     /// `scene_path` and `set` (changed keys of the scene) are what a command that repeats the run has to name. No command repeats the run where
-    /// `subject_is_elsewhere`: the localizer under test lives in another program, which had begun the run.
+    /// `subject_is_elsewhere`: the localizer under test lives in another program, which had begun the run. The time of the `baselines` is no part of
+    /// `wall_s`; it is null where they were not asked for.
     pub fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
@@ -192,6 +193,7 @@ impl Timing {
                 "render": 1e3 * spent.render_s,
                 "localizer": 1e3 * spent.localizer_s,
                 "vision": 1e3 * spent.vision_s,
+                "baselines": spent.baselines_s.map(|spent_s| 1e3 * spent_s),
             },
             "per_image_ms": {
                 "render": per_image_ms(spent.render_s),

@@ -30,8 +30,8 @@ pub enum Progress {
     },
 }
 
-/// Runs a scene with one seed and one localizer under test, and judges the run. `witness` is told each event of the run, and `progress` is called
-/// now and then.
+/// Runs a scene with one seed and one localizer under test, and judges the run. The methods to compare with are run where the options or the scene's
+/// expectations ask for them. `witness` is told each event of the run, and `progress` is called now and then.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run_judged(
@@ -44,9 +44,10 @@ pub fn run_judged(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(RunRecord, Verdict), RenderError> {
     let mut tested = subject(choice, scene);
+    let options = RunOptions { baselines: options.baselines || scene.expect.needs_baselines(), ..*options };
     let record = {
         let mut at = |simulated_s| progress(Progress::At { simulated_s });
-        run_witnessed(scene, seed, &mut *tested, renderer.as_deref_mut(), options, witness, &mut at)?
+        run_witnessed(scene, seed, &mut *tested, renderer.as_deref_mut(), &options, witness, &mut at)?
     };
     progress(Progress::Ended { lasts_s: scene.simulated_s() });
     let mut number = 0;

@@ -43,4 +43,6 @@ pub struct Sweep {
     pub seeds: Range<u64>,
     /// The localizer that the sweep tests.
     pub subject: SubjectChoice,
+    /// Whether the methods to compare with (baselines) are run on each run's readings, too.
+    pub baselines: bool,
 }

@@ -18,7 +18,7 @@ use super::tested::Tested;
 #[derive(Debug, Args)]
 #[command(after_help = SWEEP_AFTER_HELP)]
 pub(super) struct SweepArguments {
-    /// A scene file, or a sweep file with the keys `scene` and `seeds` and a table `[vary]`.
+    /// A scene file, or a sweep file with the keys `scene`, `seeds` and `baselines` and a table `[vary]`.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
     /// A key of the scene and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
@@ -29,6 +29,10 @@ pub(super) struct SweepArguments {
     pub(super) seeds: Option<Seeds>,
     #[command(flatten)]
     pub(super) tested: Tested,
+    /// Run other methods on the same readings too, to compare with: the papers' own and what a careful engineer would use. Their time is not counted
+    /// in the speed. Without this option only odometry is run, and what the scene's [expect] names.
+    #[arg(long)]
+    pub(super) baselines: bool,
     /// Number of runs at the same time. By default the number of processor cores.
     #[arg(long, value_name = "N")]
     pub(super) jobs: Option<NonZeroUsize>,

@@ -37,6 +37,10 @@ pub(super) struct RunArguments {
     which: ScenesAndSeeds,
     #[command(flatten)]
     tested: Tested,
+    /// Run other methods on the same readings too, to compare with: the papers' own and what a careful engineer would use. Their time is not counted
+    /// in the speed. Without this option only odometry is run, and what the scene's [expect] names.
+    #[arg(long)]
+    baselines: bool,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
@@ -144,7 +148,7 @@ fn run_one(
 ) -> Result<Recorded, CommandError> {
     let mut start = bar.position();
     let renderer = renderer.filter(|_| file.scene.has_camera());
-    let options = RunOptions { keep_images: arguments.frames };
+    let options = RunOptions { keep_images: arguments.frames, baselines: arguments.baselines };
     let recording =
         |is_asked: bool, form: Form| is_asked.then(|| Recording::begin(&arguments.out, file, seed, form)).transpose();
     let recordings = (recording(arguments.record, Form::Foxglove)?, recording(arguments.ros2, Form::Ros2)?);
@@ -181,7 +185,10 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     }
     // An unreadable record is no reason to stop: the run is done again and replaces the record.
     let Ok(Some((summary, timing))) = run_files::read(&folder) else { return Ok(None) };
-    if forms(arguments).any(|form| !folder.join(form.path()).exists()) {
+    let wants_baselines = arguments.baselines || file.scene.expect.needs_baselines();
+    if forms(arguments).any(|form| !folder.join(form.path()).exists())
+        || wants_baselines && timing["stages_ms"]["baselines"].is_null()
+    {
         return Ok(None);
     }
     let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()
@@ -222,6 +229,9 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
         let outcomes: Vec<Outcome> = recorded.iter().map(|one| one.outcome.clone()).collect();
         print(&as_text(&lines(&outcomes, true)))?;
         print(&not_applicable(recorded))?;
+        if !arguments.baselines {
+            print("\nOdometry is the only other method that was run; --baselines runs the papers' and others.\n")?;
+        }
         print(&format!("\nRecorded in {}\n", arguments.out.display()))?;
     }
     let mut stderr = std::io::stderr().lock();

@@ -15,6 +15,7 @@ use crate::{
         cases::Results,
         sweep::{Begun, Case, Finished, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
     },
+    run::RunOptions,
     subject::SubjectChoice,
 };
 
@@ -34,7 +35,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
         cases: &todo,
         subject: &sweep.subject,
         jobs,
-        frames: arguments.frames,
+        options: RunOptions { keep_images: arguments.frames, baselines: sweep.baselines },
         renderer,
         store: &begun.store,
         stop: &AtomicBool::new(false),
@@ -60,9 +61,11 @@ fn asked(arguments: &SweepArguments) -> Result<Sweep, SweepError> {
         vary: Vec::new(),
         seeds: 0..1,
         subject: SubjectChoice::default(),
+        baselines: false,
     });
     sweep.vary.extend(arguments.vary.iter().cloned());
     sweep.subject = arguments.tested.choice();
+    sweep.baselines |= arguments.baselines;
     if let Some(Seeds(seeds)) = &arguments.seeds {
         sweep.seeds = seeds.clone();
     }

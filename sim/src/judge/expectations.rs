@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use crate::{
-    run::{ForwardBaselines, MarkerBaselines},
+    run::{ForwardBaselines, MarkerBaselines, needs_baselines},
     scene::{Expect, conform::nearest},
 };
 
@@ -125,6 +125,14 @@ impl Expect {
             }
         }
         Passed { passed: missed.is_empty(), failed: missed, not_applicable }
+    }
+
+    /// Whether a limit is on a figure that a run measures only when the methods to compare with are run, too.
+    pub fn needs_baselines(&self) -> bool {
+        let known: Vec<String> = figures(&blank_summary()).into_keys().collect();
+        self.named_limits()
+            .iter()
+            .any(|(name, _)| resolve(name, &known).is_some_and(|(figure, _)| needs_baselines(&figure)))
     }
 
     /// Names of limits that no figure has, and limits that are not numbers, each with what was expected.

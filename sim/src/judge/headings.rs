@@ -49,11 +49,13 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
     let mut paper_off_rad = paper.errors_rad.clone();
     let mut matches: Vec<f64> = paper.matches.iter().map(|&count| count as f64).collect();
     let [matches_median, found_share, off_median_deg, off_p95_deg] = ForwardBaselines::FIGURES;
-    BTreeMap::from([
+    let of_paper = [
         (matches_median.to_owned(), quantile(&mut matches, 0.5)),
         (found_share.to_owned(), share(paper.errors_rad.len(), paper.n_asked)),
         deg(off_median_deg, quantile(&mut paper_off_rad, 0.5)),
         deg(off_p95_deg, quantile(&mut paper_off_rad, 0.95)),
+    ];
+    let mut metrics = BTreeMap::from([
         ("wall_wrong_share_max".to_owned(), wrong_share_max),
         ("wall_spoilt_images_max".to_owned(), spoilt as f64),
         ("wall_images".to_owned(), images.len() as f64),
@@ -65,7 +67,9 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
         deg("wall_fix_error_max_deg", quantile(&mut off_rad, 1.0)),
         deg("heading_error_p95_deg", quantile(&mut all_off_rad, 0.95)),
         deg("heading_error_max_deg", quantile(&mut all_off_rad, 1.0)),
-    ])
+    ]);
+    metrics.extend(of_paper.into_iter().filter(|_| paper.n_asked > 0));
+    metrics
 }
 
 /// The least of the values that a share `wanted` of all values does not exceed; 0 when there are no values.

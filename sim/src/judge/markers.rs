@@ -119,6 +119,11 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
         ("markers_in_view".to_owned(), counts.in_view as f64),
         ("markers_read_share".to_owned(), share(counts.read, counts.in_view)),
         ("markers_misread".to_owned(), counts.misread as f64),
+    ]);
+    if record.marker_baselines.answers.is_empty() {
+        return metrics;
+    }
+    metrics.extend([
         (read_share.to_owned(), share(counts.paper_read, counts.images_with_marker)),
         (misread.to_owned(), counts.paper_misread as f64),
     ]);
@@ -145,8 +150,9 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
     let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn.place)));
     let images = record.images.iter().filter(|image| image.camera == Some(Camera::Ceiling));
-    // The pipeline of Zhou et al. 2016 gave one answer for each picture, in the order of the pictures.
-    for (image, paper) in images.zip(&record.marker_baselines.answers) {
+    // Where it was asked, the pipeline of Zhou et al. 2016 gave one answer for each picture, in the order of the pictures.
+    let answers = record.marker_baselines.answers.iter().map(Some).chain(std::iter::repeat(None));
+    for (image, paper) in images.zip(answers) {
         if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
             counts.add(scene, record, (image, paper), &sight, &obstacles);
         }
@@ -180,7 +186,7 @@ impl MarkerCounts {
         &mut self,
         scene: &Scene,
         record: &RunRecord,
-        (image, paper): (&ImageRecord, &PaperAnswer),
+        (image, paper): (&ImageRecord, Option<&PaperAnswer>),
         sight: &Sight,
         obstacles: &Obstacles,
     ) {
@@ -201,7 +207,7 @@ impl MarkerCounts {
         // The pipeline of Zhou et al. 2016 names one marker, which may be one that is partly out of view.
         let nearby =
             |id: MarkerId| on_map(scene, &record.drawn).any(|marker| marker.id == id && sight.shows_some(marker));
-        if let Some(fix) = paper.fix {
+        if let Some(fix) = paper.and_then(|answer| answer.fix) {
             self.paper_misread += usize::from(!nearby(fix.marker));
             self.paper_read += usize::from(nearby(fix.marker) && !shown.is_empty());
         }

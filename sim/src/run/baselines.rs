@@ -2,7 +2,7 @@
 
 use localizer::Pose;
 
-use super::{Answers, RunRecord};
+use super::{Answers, ForwardBaselines, MarkerBaselines, RunRecord};
 
 /// Name of wheel odometry alone.
 const ODOMETRY: &str = "odometry";
@@ -23,6 +23,17 @@ pub const BASELINES: [&str; 13] = [
     super::marker_baselines::NEAREST_MARKER,
     super::marker_baselines::VERTICAL_KNOWN,
 ];
+
+/// Whether a run measures this figure of its summary only when the methods to compare with are run, too.
+pub fn needs_baselines(figure: &str) -> bool {
+    let of_metrics =
+        |name: &str| MarkerBaselines::FIGURES.iter().chain(&ForwardBaselines::FIGURES).any(|one| *one == name);
+    match figure.split_once('.') {
+        Some(("baselines", rest)) => rest.split('.').next() != Some(ODOMETRY),
+        Some(("metrics", name)) => of_metrics(name),
+        _ => false,
+    }
+}
 
 /// What a method to compare with answered in a run.
 pub struct BaselineAnswers<'a> {

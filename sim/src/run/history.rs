@@ -128,7 +128,7 @@ pub struct ImageRecord {
 /// Wall-clock seconds that each stage of a run took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Timing {
-    /// Time of the whole run.
+    /// Time of the whole run, without that of the methods to compare with.
     pub wall_s: f64,
     /// Time of the physics.
     pub world_s: f64,
@@ -140,6 +140,8 @@ pub struct Timing {
     pub vision_s: f64,
     /// Greatest time of the localizer on one reading of any kind.
     pub slowest_reading_s: f64,
+    /// Time of the methods to compare with (baselines); `None` where they were not asked for.
+    pub baselines_s: Option<f64>,
 }
 
 /// The declared bounds that were compared with true values at every reading.

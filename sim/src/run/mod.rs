@@ -27,7 +27,7 @@ use crate::{
     world::{Drawn, World},
 };
 
-pub use baselines::{BASELINES, BaselineAnswers, Told};
+pub use baselines::{BASELINES, BaselineAnswers, Told, needs_baselines};
 pub use clearance::Clearance;
 pub use counterfactual::{Change, Counterfactual};
 pub use forward_baselines::ForwardBaselines;
@@ -51,6 +51,8 @@ const PHYSICS_STEPS: usize = 10;
 pub struct RunOptions {
     /// Which images the record keeps, so that debug frames can be drawn from them.
     pub keep_images: FramesPolicy,
+    /// Whether the methods to compare with (baselines) are run on the readings, too. Without it, odometry alone is.
+    pub baselines: bool,
 }
 
 /// Runs a scene with one seed: its route, or its stations (stated poses at which the robot stands still) one after another. `subject`, the
@@ -137,7 +139,6 @@ impl Simulation<'_> {
         let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
         record.history.subject = subject.name().to_owned();
         record.history.subject_is_elsewhere = subject.is_elsewhere();
-        record.asks_baselines = self.commands.is_none();
         let built = scene.as_built(&drawn.place);
         let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;
         if scene.stations.is_empty() {

@@ -3,7 +3,10 @@
 use std::time::Instant;
 
 use localizer::{
-    Map, Pose, PoseBox, Reading, RobotModel, localizer::PoseWidth, motion::PointOdometry, reading::Camera,
+    Map, Pose, PoseBox, Reading, RobotModel,
+    localizer::{Account, PoseWidth},
+    motion::PointOdometry,
+    reading::Camera,
 };
 use sha2::{Digest, Sha256};
 
@@ -26,8 +29,7 @@ pub(super) struct Recorder<'a> {
     robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
-    /// Whether the methods to compare with (baselines) are computed on the readings, too.
-    pub(super) asks_baselines: bool,
+    asks_baselines: bool,
     /// Time of the run at which the present drive began.
     pub(super) offset_s: f64,
     /// Start of the present drive as the localizer is given it: `start_box` is the box of possible poses, `start` the middle of that box.
@@ -57,7 +59,7 @@ impl<'a> Recorder<'a> {
             robot: scene.robot_model(),
             readings: Sha256::new(),
             keep_images: options.keep_images,
-            asks_baselines: true,
+            asks_baselines: options.baselines,
             offset_s: 0.0,
             witness,
             start: scene.nominal_start(),
@@ -104,9 +106,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(observation);
-        if self.asks_baselines {
-            self.history.motion_baselines.sense(reading);
-        }
+        self.compared(|recorder| recorder.history.motion_baselines.sense(reading));
         self.history.bounds.note(&observation.checks, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
@@ -139,32 +139,13 @@ impl<'a> Recorder<'a> {
     }
 
     /// Records what the methods of the localizer made of a reading.
-    pub(super) fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
+    pub(super) fn images(&mut self, observation: Observation, accounts: Vec<Account>) {
         let Observation { reading, mut truth, codes, .. } = observation;
         self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
-        let asks = self.asks_baselines && !accounts.is_empty();
-        if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, true) = (&reading, asks) {
-            self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
-        }
-        if let (Reading::Camera { camera: Camera::Forward, image, .. }, true) = (&reading, asks) {
-            let heading_rad = truth.pose.heading_rad;
-            let seen_rad = self.history.forward_baselines.observe(image, &self.map, &self.robot, heading_rad);
-            if let Some(seen_rad) = seen_rad {
-                self.history.motion_baselines.see(reading.measured_s(), seen_rad);
-            }
-        }
+        self.compared(|recorder| recorder.compare(&reading, &accounts, &truth));
         for account in accounts {
-            if let (Reading::Range { .. }, Some(camera), true) = (&reading, &self.robot.range_camera, asks) {
-                // The reading is compared with odometry at its stamp. While the step at that time is not recorded yet, the odometry of the last
-                // recorded step stands in for it.
-                let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
-                let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
-                let told = Told { start: self.start, start_box: &self.start_box, camera, wheels: &self.robot.wheels };
-                let restarted = !self.history.restarts.is_empty();
-                self.history.range_baselines.observe(&account, &told, odometry, truth.pose, restarted);
-            }
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
             if self.keep_images == FramesPolicy::Failures {
@@ -192,6 +173,45 @@ impl<'a> Recorder<'a> {
                 codes: codes.clone(),
                 reading: kept,
             });
+        }
+    }
+
+    /// Runs `work` of the methods to compare with, if they are asked for, and adds the wall-clock time that it takes to theirs.
+    fn compared(&mut self, work: impl FnOnce(&mut Self)) {
+        if self.asks_baselines {
+            let began = Instant::now();
+            work(self);
+            *self.history.timing.baselines_s.get_or_insert(0.0) += began.elapsed().as_secs_f64();
+        }
+    }
+
+    /// Gives a reading to the methods to compare with that read what it shows.
+    fn compare(&mut self, reading: &Reading, accounts: &[Account], truth: &Truth) {
+        let (history, robot) = (&mut self.history, &self.robot);
+        match (reading, accounts) {
+            (_, []) => {}
+            (Reading::Camera { camera: Camera::Ceiling, image, .. }, _) => {
+                history.marker_baselines.observe(image, &self.map, robot, truth.pose);
+            }
+            (Reading::Camera { camera: Camera::Forward, image, .. }, _) => {
+                let heading_rad = truth.pose.heading_rad;
+                if let Some(seen_rad) = history.forward_baselines.observe(image, &self.map, robot, heading_rad) {
+                    history.motion_baselines.see(reading.measured_s(), seen_rad);
+                }
+            }
+            (Reading::Range { .. }, accounts) => {
+                let Some(camera) = &robot.range_camera else { return };
+                // The reading is compared with odometry at its stamp. While the step at that time is not recorded yet, the odometry of the last
+                // recorded step stands in for it.
+                let step = (history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
+                let odometry = history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
+                let told = Told { start: self.start, start_box: &self.start_box, camera, wheels: &robot.wheels };
+                let restarted = !history.restarts.is_empty();
+                for account in accounts {
+                    history.range_baselines.observe(account, &told, odometry, truth.pose, restarted);
+                }
+            }
+            _ => {}
         }
     }
 
@@ -231,10 +251,10 @@ impl<'a> Recorder<'a> {
         self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
-        if self.asks_baselines {
-            self.history.motion_baselines.step(truth.time_s);
-            self.history.range_baselines.step(self.odometry.pose());
-        }
+        self.compared(|recorder| {
+            recorder.history.motion_baselines.step(truth.time_s);
+            recorder.history.range_baselines.step(recorder.odometry.pose());
+        });
     }
 
     /// Records the true robot's distances from walls, furniture and people, if the scene has errands.
@@ -247,7 +267,8 @@ impl<'a> Recorder<'a> {
     pub(super) fn finish(mut self, began: Instant) -> RunRecord {
         let digest = self.readings.finalize();
         self.history.readings_digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        self.history.timing.wall_s = began.elapsed().as_secs_f64();
+        let timing = &mut self.history.timing;
+        timing.wall_s = began.elapsed().as_secs_f64() - timing.baselines_s.unwrap_or(0.0);
         self.history
     }
 }

@@ -1,4 +1,4 @@
-//! A sweep as a file with the keys `scene` and `seeds` and a table `[vary]`.
+//! A sweep as a file with the keys `scene`, `seeds` and `baselines` and a table `[vary]`.
 
 use std::{fs, path::Path};
 
@@ -10,6 +10,9 @@ use toml::{
 use crate::{artefacts::run_files::naming, subject::SubjectChoice};
 
 use super::{Seeds, Sweep, SweepError, Variable, variable::values_of};
+
+/// The keys of a sweep file.
+const KEYS: [&str; 4] = ["scene", "seeds", "baselines", "vary"];
 
 impl Sweep {
     /// Reads a sweep file; none when the file is not a sweep but, because it has no key `scene`, presumably a scene.
@@ -23,8 +26,8 @@ impl Sweep {
             return Ok(None);
         }
         let wrong = |expected: String| SweepError::BadFile { path: path.to_owned(), expected };
-        if let Some(unknown) = table.keys().find(|key| !["scene", "seeds", "vary"].contains(&key.as_str())) {
-            return Err(wrong(format!("`{unknown}`: unknown key, expected one of scene, seeds, vary")));
+        if let Some(unknown) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
+            return Err(wrong(format!("`{unknown}`: unknown key, expected one of {}", KEYS.join(", "))));
         }
         let scene = table["scene"].as_str().ok_or_else(|| wrong("`scene`: expected a text in quotes".to_owned()))?;
         let seeds = match table.get("seeds") {
@@ -35,8 +38,13 @@ impl Sweep {
                 text.parse::<Seeds>().map_err(|expected| wrong(format!("`seeds = \"{text}\"`: {expected}")))?.0
             }
         };
+        let baselines = match table.get("baselines") {
+            None => false,
+            Some(stated) => stated.as_bool().ok_or_else(|| wrong("`baselines`: expected true or false".to_owned()))?,
+        };
         let (vary, subject) = (variables(&text).map_err(wrong)?, SubjectChoice::default());
-        Ok(Some(Sweep { scene: path.parent().unwrap_or(Path::new("")).join(scene), vary, seeds, subject }))
+        let scene = path.parent().unwrap_or(Path::new("")).join(scene);
+        Ok(Some(Sweep { scene, vary, seeds, subject, baselines }))
     }
 }
 

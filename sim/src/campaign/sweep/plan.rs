@@ -28,6 +28,9 @@ pub struct Plan {
     /// Name of the localizer that the sweep tests; left out where it is the one that is tested without asking.
     #[serde(default = "usual_subject", skip_serializing_if = "is_usual")]
     pub subject: String,
+    /// Whether the methods to compare with (baselines) are run on each run's readings, too.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub baselines: bool,
     /// Scene keys that vary, with their values; the key that changes slowest from case to case comes first.
     pub vary: Vec<Variable>,
     /// First seed of the sweep, and the seed after the last one.
@@ -95,6 +98,7 @@ impl Plan {
             path: file.path.clone(),
             scene_digest: scene_digest(&file.scene),
             subject: sweep.subject.to_string(),
+            baselines: sweep.baselines,
             vary: sweep.vary.clone(),
             seeds: [sweep.seeds.start, sweep.seeds.end],
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -147,6 +151,7 @@ impl Plan {
             self.program.as_deref().unwrap_or_default(),
             self.adapter.as_deref().unwrap_or_default(),
             subject,
+            if self.baselines { "baselines" } else { "" },
         ] {
             hasher.update(part.as_bytes());
             hasher.update([0]);

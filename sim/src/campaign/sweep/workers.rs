@@ -10,12 +10,7 @@ use std::{
     thread,
 };
 
-use crate::{
-    campaign::judged_run::run_judged,
-    render::Renderer,
-    run::{FramesPolicy, RunOptions},
-    subject::SubjectChoice,
-};
+use crate::{campaign::judged_run::run_judged, render::Renderer, run::RunOptions, subject::SubjectChoice};
 
 use super::{Case, Store, SweepError};
 
@@ -27,8 +22,8 @@ pub struct Work<'a> {
     pub subject: &'a SubjectChoice,
     /// Number of worker threads.
     pub jobs: usize,
-    /// Choice of the camera images for which debug frames, pictures of what the vision found, are written.
-    pub frames: FramesPolicy,
+    /// What each run keeps and computes in addition to the results.
+    pub options: RunOptions,
     /// Renderer on the graphics adapter; none when the scene has no camera.
     pub renderer: Option<Renderer>,
     /// Folder into which results are written.
@@ -54,12 +49,12 @@ pub enum Finished {
 /// A run that panics is recorded as failed, and the other cases go on. An error of the graphics device or of the file system ends the
 /// sweep; cases recorded before stay recorded.
 pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(), SweepError> {
-    let Work { cases, subject, jobs, frames, renderer, store, stop } = work;
+    let Work { cases, subject, jobs, options, renderer, store, stop } = work;
     let renderers = renderers(renderer, jobs.clamp(1, cases.len().max(1)))?;
     let (next, has_erred) = (AtomicUsize::new(0), AtomicBool::new(false));
     let (sender, receiver) = mpsc::channel();
     let mut first_error = None;
-    let running = Running { subject, frames, store, stop };
+    let running = Running { subject, options, store, stop };
     thread::scope(|scope| {
         for mut renderer in renderers {
             let (sender, next, has_erred, running) = (sender.clone(), &next, &has_erred, &running);
@@ -102,7 +97,7 @@ fn renderers(first: Option<Renderer>, jobs: usize) -> Result<Vec<Option<Renderer
 /// What all cases have in common.
 struct Running<'a> {
     subject: &'a SubjectChoice,
-    frames: FramesPolicy,
+    options: RunOptions,
     store: &'a Store,
     stop: &'a AtomicBool,
 }
@@ -113,9 +108,9 @@ fn run_case(
     running: &Running<'_>,
     renderer: &mut Option<Renderer>,
 ) -> Result<Option<Finished>, SweepError> {
-    let Running { subject: choice, frames, store, stop } = *running;
+    let Running { subject: choice, options, store, stop } = *running;
+    let frames = options.keep_images;
     let scene = &case.file.scene;
-    let options = RunOptions { keep_images: frames };
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
         Ok::<_, SweepError>(run_judged(scene, case.planned.seed, choice, &options, used, &mut (), &mut |_| {})?)
