@@ -21,6 +21,14 @@ pub(super) struct Panel {
     pub(super) height_px: f64,
 }
 
+impl Panel {
+    /// Whether a point lies in the panel.
+    pub(super) fn contains(&self, [left_px, top_px]: [f64; 2]) -> bool {
+        (0.0..self.width_px).contains(&(left_px - self.left_px))
+            && (0.0..self.height_px).contains(&(top_px - self.top_px))
+    }
+}
+
 /// An image that is being drawn on.
 pub(super) struct Canvas {
     /// The image with everything that has been drawn on it.

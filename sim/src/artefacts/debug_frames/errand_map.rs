@@ -1,4 +1,5 @@
-//! The map of a drive: what is on the robot's map, which paths were planned for errands, what was driven, and what was answered.
+//! The map of a drive: what is on the robot's map, which paths were planned for errands, what was driven, what was answered, and the markers and
+//! landmarks on the way.
 
 use image::RgbImage;
 
@@ -6,7 +7,7 @@ use crate::{loading::SceneFile, place::building::GroundPlan, run::RunRecord};
 
 use super::{
     canvas::{Canvas, Panel},
-    map_view::MapView,
+    map_view::{MapView, learnt_by},
     palette,
 };
 
@@ -23,6 +24,8 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, with_answers: bool) -> 
     view.draw_floor(&mut canvas, &file.scene, None);
     view.draw_things(&mut canvas, &file.scene);
     view.draw_errands(&mut canvas, &file.scene, record, f64::INFINITY);
+    view.draw_markers(&mut canvas, &file.scene, Some(&record.drawn.place.markers));
+    view.draw_landmarks(&mut canvas, &file.scene, learnt_by(record, f64::INFINITY));
     view.draw_trail(&mut canvas, record, f64::INFINITY);
     if with_answers {
         view.draw_answers(&mut canvas, record);
@@ -40,6 +43,8 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, with_answers: bool) -> 
         (palette::BOX, "answered", with_answers),
         (palette::TRUTH, "goals reached", has_errands),
         (palette::MISS, "goals missed", has_errands),
+        (palette::MARKER, "ceiling markers", file.scene.markers.is_some()),
+        (palette::TRUTH, "landmarks (dots)", !file.scene.landmarks.is_empty()),
     ];
     let mut left_px = 14.0;
     for (colour, text, _) in legend.into_iter().filter(|(.., is_shown)| *is_shown) {

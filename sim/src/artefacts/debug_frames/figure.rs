@@ -11,7 +11,7 @@ use crate::{
 use super::{
     Seen, camera_view,
     canvas::{Canvas, Panel},
-    map_view::MapView,
+    map_view::{MapView, learnt_by},
     palette, range_view,
     tones::Tones,
 };
@@ -64,10 +64,11 @@ fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, reco
         view.draw_floor(canvas, scene, record.drawn.place.tiles.as_ref());
         view.draw_things(canvas, scene);
         view.draw_errands(canvas, scene, record, image.truth.time_s);
+        view.draw_markers(canvas, scene, Some(&record.drawn.place.markers));
+        view.draw_landmarks(canvas, scene, learnt_by(record, image.measured_s));
         view.draw_trail(canvas, record, image.truth.time_s);
     }
     room.draw_robot(canvas, scene, truth);
-    room.draw_landmarks(canvas, scene, image);
     room.draw_boxes(canvas, image);
     room.draw_truth(canvas, truth, 46.0);
     near.draw_boxes(canvas, image);
@@ -160,6 +161,8 @@ fn legend(canvas: &mut Canvas, mut top_px: f64, scene: &Scene, image: &ImageReco
     let things = [
         (!scene.furniture.is_empty(), palette::FURNITURE, "furniture"),
         (!scene.people.is_empty(), palette::PEOPLE, "ways that people walk"),
+        (scene.markers.is_some(), palette::MARKER, "ceiling markers"),
+        (!scene.landmarks.is_empty(), palette::TRUTH, "landmarks (dots)"),
     ];
     let entries = [
         (palette::SEEN, format!("claimed ({n_claims})")),

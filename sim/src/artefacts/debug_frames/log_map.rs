@@ -26,6 +26,8 @@ pub(crate) fn draw(scene: &Scene, estimates: &[Estimate], truths: &[(f64, Pose)]
     let view = MapView::rooms(panel, scene);
     view.draw_floor(&mut canvas, scene, None);
     view.draw_things(&mut canvas, scene);
+    view.draw_markers(&mut canvas, scene, None);
+    view.draw_landmarks(&mut canvas, scene, &[]);
     let middles = estimates.iter().filter(|estimate| !estimate.pose.is_empty()).map(|estimate| {
         let [x_m, y_m, _] = estimate.pose.hull().midpoint();
         [x_m, y_m]
@@ -37,9 +39,14 @@ pub(crate) fn draw(scene: &Scene, estimates: &[Estimate], truths: &[(f64, Pose)]
     let path: Vec<[f64; 2]> = truths.iter().map(|(_, pose)| [pose.x_m, pose.y_m]).collect();
     view.draw_path(&mut canvas, &path, palette::TRUTH);
     view.draw_scale(&mut canvas);
-    let legend = [(palette::BOX, "boxes"), (palette::ROUTE, "their middles"), (palette::TRUTH, "true path")];
+    let legend = [
+        (palette::BOX, "boxes", true),
+        (palette::ROUTE, "their middles", true),
+        (palette::TRUTH, "true path", !truths.is_empty()),
+        (palette::MARKER, "ceiling markers", scene.markers.is_some()),
+    ];
     let mut left_px = 14.0;
-    for (colour, text) in legend {
+    for (colour, text, _) in legend.into_iter().filter(|(.., is_shown)| *is_shown) {
         canvas.line([left_px, 22.0], [left_px + 24.0, 22.0], 4.0, colour);
         canvas.text([left_px + 32.0, 12.0], 18.0, palette::INK, text);
         left_px += 32.0 + Canvas::text_width_px(18.0, text) + 28.0;

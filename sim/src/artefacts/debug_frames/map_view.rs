@@ -19,6 +19,10 @@ use super::{
     palette,
 };
 
+mod beacons;
+
+pub(super) use beacons::learnt_by;
+
 /// A part of the floor shown in a panel; the world's x axis points to the right, its y axis upwards.
 pub(super) struct MapView {
     panel: Panel,
@@ -134,24 +138,6 @@ impl MapView {
             for errand in &log.errands {
                 let colour = if errand.outcome == Outcome::Reached { palette::TRUTH } else { palette::MISS };
                 canvas.ring(self.place(errand.goal_m), 6.0, 2.0, colour);
-            }
-        });
-    }
-
-    /// Draws landmarks at their true positions, and the boxes in which the localizer has learnt that they lie; a box is red when its landmark is not
-    /// in it.
-    pub(super) fn draw_landmarks(&self, canvas: &mut Canvas, scene: &Scene, image: &ImageRecord) {
-        canvas.clipped(self.panel, |canvas| {
-            for (code, [x, y]) in &image.landmarks {
-                let Some(truth) = scene.landmarks.get(code.0 as usize) else { continue };
-                let is_inside = x.contains(truth.x_m) && y.contains(truth.y_m);
-                let colour = if is_inside { palette::BOX } else { palette::MISS };
-                let corners = self.rectangle([x.lo(), x.hi()], [y.lo(), y.hi()]);
-                canvas.fill(&corners, colour, 0.2);
-                canvas.outline(&corners, 1.2, colour);
-            }
-            for landmark in &scene.landmarks {
-                canvas.ring(self.place([landmark.x_m, landmark.y_m]), 2.5, 2.5, palette::TRUTH);
             }
         });
     }

@@ -12,6 +12,8 @@ pub(super) const REGION: Rgb<u8> = Rgb([222, 214, 190]);
 pub(super) const FURNITURE: Rgb<u8> = Rgb([206, 206, 202]);
 /// Colour of the paths that people walk; it differs from the colour of the robot's own outline.
 pub(super) const PEOPLE: Rgb<u8> = Rgb([160, 110, 40]);
+/// Colour of ceiling markers that are on the localizer's map.
+pub(super) const MARKER: Rgb<u8> = Rgb([108, 72, 168]);
 pub(super) const ROUTE: Rgb<u8> = Rgb([150, 190, 225]);
 pub(super) const TRAIL: Rgb<u8> = Rgb([130, 130, 136]);
 
