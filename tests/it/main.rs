@@ -202,6 +202,8 @@ mod sweep_cases;
 mod sweep_refusals;
 /// Tests of a sweep's report, JUnit file and annotations against the sweep's own table.
 mod sweep_report;
+/// Tests of what reports show of a run's events and broken bounds.
+mod report_incidents;
 /// Tests of the ceiling markers and landmarks that figures and maps show.
 mod map_beacons;
 /// Tests of the result table's rows and pooled figures, of the report's measures, and of the CSV reader.

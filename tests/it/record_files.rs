@@ -74,6 +74,7 @@ fn a_summary_lists_its_parts_in_the_order_of_the_contract() {
         "baselines",
         "metrics",
         "verdict",
+        "events",
         "contradictions",
         "width_by_bound",
         "digest",

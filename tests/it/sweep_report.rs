@@ -180,10 +180,10 @@ fn junit_tells_when_where_how_far_why_and_how_to_replay() {
     assert!(xml.contains("<testsuite name=\"scene\" tests=\"8\" skipped=\"0\" errors=\"0\" failures=\"4\">"), "{xml}");
     let failed = rows(&folder).into_iter().find(|row| row["passed"] == "false").unwrap();
     let message = format!(
-        "first outside at {:.2} s: {} by {:.6}, bound broken: {}",
+        "first outside at {:.2} s: {} by {:.3} mm, bound broken: {}",
         number(&failed, "first_failure_s"),
-        failed["first_failure_axis"],
-        number(&failed, "first_failure_margin"),
+        failed["first_failure_axis"].strip_suffix("_m").unwrap(),
+        1e3 * number(&failed, "first_failure_margin"),
         failed["blame"]
     );
     assert!(xml.contains(&format!("<failure message=\"{message}\"")), "`{message}` is missing in:\n{xml}");

@@ -5,6 +5,8 @@
 //! |---|---|
 //! | `files` | where the folder of a run is, and the error of writing |
 //! | `digest` | what identifies a scene, a run and this program |
+//! | `occurrences` | the scene's events as they came about in a run, for its summary |
+//! | `wording` | quantities in words, with their units |
 //! | `summary` | the files `summary.json` and `timing.json` |
 //! | [`run_files`] | the folder of one run: its summary, trajectories, boxes, steps |
 //! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
@@ -17,7 +19,9 @@
 
 mod files;
 mod digest;
+mod occurrences;
 mod summary;
+pub(crate) mod wording;
 pub mod run_files;
 pub mod recording;
 pub mod replay;

@@ -14,7 +14,10 @@ use crate::{
     subject::SubjectChoice,
 };
 
-use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
+use super::{
+    digest::{estimates_digest, program_digest, scene_digest, truth_digest},
+    occurrences::{Occurrence, occurrences},
+};
 
 /// Everything that `summary.json` holds, in the file's order. It is equal for equal scene, seed, program version and graphics adapter.
 #[derive(Clone, Debug, Serialize)]
@@ -34,6 +37,8 @@ pub struct Summary<'a> {
     /// The judge's verdict on the run.
     #[serde(flatten)]
     pub verdict: &'a Verdict,
+    /// The scene's events that came about before the end of the run.
+    pub events: Vec<Occurrence>,
     /// The contradictions between readings that the localizer found, with the bounds of which not all can be true.
     pub contradictions: Vec<Contradiction<'a>>,
     /// What makes the width of the boxes: the mean over the localizer's key frames, for each declared bound. Empty without key frames.
@@ -66,6 +71,7 @@ impl<'a> Summary<'a> {
             adapter: record.adapter.as_deref(),
             duration_s: duration_s(record),
             verdict,
+            events: occurrences(&file.scene, record),
             contradictions: record.contradictions.iter().map(Contradiction::of).collect(),
             width_by_bound: width_by_bound(record),
             digest: Digests {

@@ -16,7 +16,7 @@ use crate::{
     campaign::{
         cases::{CaseResult, Results, program, quoted, subject_option},
         judged_run::{Progress, run_judged},
-        report::Overview,
+        report::{Overview, broken_bounds, first_outside_of},
         sweep,
     },
     loading::SceneFile,
@@ -259,18 +259,14 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
         text += &format!("  {line}\n");
     }
     let first = &one.summary["containment"]["first_failure"];
-    if let (Some(time_s), Some(axis), Some(margin)) =
-        (first["time_s"].as_f64(), first["axis"].as_str(), first["margin"].as_f64())
-    {
-        let (outcome, blame) =
-            (first["outcome"].as_str().unwrap_or_default(), first["blame"].as_str().unwrap_or_default());
-        text += &format!(
-            "  first outside at {time_s:.2} s: {axis} by {margin:.6}, {}: {blame}\n",
-            outcome.replace('_', " ")
-        );
-        if let Some(because) = first["because"].as_str().filter(|because| *because != blame) {
+    if let Some(told) = first_outside_of(first) {
+        text += &format!("  {told}\n");
+        if let Some(because) = first["because"].as_str().filter(|because| first["blame"] != **because) {
             text += &format!("  {because}\n");
         }
+    }
+    for bound in broken_bounds(&one.summary) {
+        text += &format!("  {bound}\n");
     }
     let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     text += &format!("  recorded in {}\n", one.folder.display());

@@ -14,6 +14,7 @@ use crate::{
     artefacts::{
         files::{RecordError, folder, naming},
         summary::Summary,
+        wording::{of_bound, outside_by},
     },
     judge::Verdict,
     loading::SceneFile,
@@ -122,12 +123,16 @@ impl Recording {
         for violation in &verdict.violations {
             let text = format!(
                 "{} exceeded from {:.3} s to {:.3} s: {} where {} is declared",
-                violation.bound, violation.from_s, violation.to_s, violation.true_value, violation.declared
+                violation.bound,
+                violation.from_s,
+                violation.to_s,
+                of_bound(&violation.bound, violation.true_value),
+                of_bound(&violation.bound, violation.declared)
             );
             self.log(violation.from_s, Level::Warn, "violation", &text);
         }
         if let Some(first) = verdict.containment.as_ref().and_then(|containment| containment.first_failure.as_ref()) {
-            let text = format!("the truth is outside, {} by {}: {}", first.axis, first.margin, first.blame);
+            let text = format!("the truth is outside, {}: {}", outside_by(first.axis, first.margin), first.blame);
             self.log(first.time_s, Level::Error, "blame", &text);
         }
         for failed in &verdict.verdict.failed {

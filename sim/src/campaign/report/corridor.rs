@@ -1,11 +1,13 @@
 //! Diagram of the pose error over time. The error of the estimate's midpoint is a line, the width of the estimate's hull a band around zero: the line
-//! leaves the band when the truth leaves the hull.
+//! leaves the band when the truth leaves the hull. Stripes show when the scene's events happened.
 
 use std::fmt::Write;
 
+use maud::html;
+
 use crate::judge::Judgement;
 
-use super::steps::Step;
+use super::{incidents::Event, steps::Step};
 
 const WIDTH: f64 = 360.0;
 const LEFT: f64 = 44.0;
@@ -15,12 +17,23 @@ const BOTTOM: f64 = 18.0;
 /// Greatest number of points of a curve: one for every pixel and a half of a phone's screen.
 const POINTS: usize = 220;
 
-/// Draws three plots of the error over time, one above the other: x and y in mm and heading in degrees. The result is empty if the run has no step.
-pub(super) fn to_svg(steps: &[Step]) -> String {
+/// Draws three plots of the error over time, one above the other: x and y in mm and heading in degrees, with the events of the run behind them. The
+/// result is empty if the run has no step.
+pub(super) fn to_svg(steps: &[Step], events: &[Event]) -> String {
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return String::new() };
     let span_s = [first.time_s, last.time_s.max(first.time_s + 1e-3)];
     let height = 3.0 * PANEL + 2.0 * GAP + BOTTOM + 4.0;
     let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {height}" role="img" aria-label="error over time">"#);
+    let x = |time_s: f64| LEFT + (WIDTH - LEFT) * ((time_s - span_s[0]) / (span_s[1] - span_s[0])).clamp(0.0, 1.0);
+    for Event { span_s: [from_s, to_s], text } in events {
+        // An event that is over at once is as wide as a stroke that can be seen.
+        let (left, width, tall) = (x(*from_s), (x(*to_s) - x(*from_s)).max(1.2), height - BOTTOM - 4.0);
+        let text = html! { (text) }.into_string();
+        let _ = write!(
+            svg,
+            r#"<rect class="event" x="{left:.1}" y="4" width="{width:.1}" height="{tall}"><title>{text}</title></rect>"#
+        );
+    }
     let axes = [("x, mm", 1e3), ("y, mm", 1e3), ("heading, °", 180.0 / std::f64::consts::PI)];
     for (axis, (name, scale)) in axes.into_iter().enumerate() {
         let top = 4.0 + axis as f64 * (PANEL + GAP);

@@ -5,7 +5,7 @@ use crate::campaign::cases::{CaseResult, Replay, Results};
 use super::{
     Group, Overview,
     costs::{CALIBRATION, HEADINGS, costs},
-    text::first_outside,
+    text::{broken_bounds, first_outside},
 };
 
 /// Greatest numbers of combinations, failed cases and missing cases in the Markdown report. The summary of a CI job may have a megabyte,
@@ -105,8 +105,9 @@ fn failure(case: &CaseResult, with_scene: bool) -> String {
     for line in case.missed_expectations() {
         text += &format!("  - {}\n", inline(line));
     }
-    if let Some(first) = first_outside(case) {
-        text += &format!("  - {}\n", inline(&first));
+    let bounds = case.summary().map(broken_bounds).unwrap_or_default();
+    for line in first_outside(case).into_iter().chain(bounds) {
+        text += &format!("  - {}\n", inline(&line));
     }
     text + &format!("\n  ```sh\n  {}\n  ```\n", Replay::of(case, "renders"))
 }

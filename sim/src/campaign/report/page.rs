@@ -15,6 +15,7 @@ use super::{
     costs::{CALIBRATION, CALIBRATION_NOTE, Cost, HEADINGS, NOTE, costs},
     diagram::Diagram,
     heatmap::heatmaps,
+    incidents::{events, incidents},
     picture,
     steps::{self, Step},
     text::{contradictions, first_outside, greatest_parts},
@@ -74,7 +75,7 @@ fn key_figures(overview: &Overview) -> Markup {
             @for (name, count) in overview.outside() {
                 div style=(if count > 0 { "--tone:var(--unsound)" } else { "" }) {
                     dt { (name) }
-                    dd { (count) " " small { "of " (number("containment.checks")) } }
+                    dd { (count) " " small { "of " (number("containment.checks")) " checks" } }
                 }
             }
         }
@@ -143,7 +144,8 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
             h2 { "The worst cases" }
             p.note {
                 @if overview.n_missed == 0 { "No case failed; these are the worst of those that passed. " }
-                "Of different seeds and combinations first. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull."
+                "Of different seeds and combinations first. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull. "
+                "Grey stripes: the scene's events."
             }
             @for case in worst { (told(overview, case)) }
             @if let Some(case) = typical {
@@ -181,12 +183,13 @@ fn told(overview: &Overview, case: &CaseResult) -> Markup {
         article {
             h3 { (case.describe(overview.has_scenes)) }
             @if let Some(first) = first_outside(case) { p.bad { (first) } }
+            @if let Some(summary) = case.summary() { (incidents(summary)) }
             @for found in contradictions(case) { p { (found) } }
             @for part in greatest_parts(case) { p { (part) } }
             @let missed = case.missed_expectations();
             @if !missed.is_empty() { ul { @for line in missed { li { (line) } } } }
             div.plots {
-                figure { (PreEscaped(corridor::to_svg(&steps))) }
+                figure { (PreEscaped(corridor::to_svg(&steps, &case.summary().map(events).unwrap_or_default()))) }
                 @if let Some(address) = picture::data_url(case) {
                     figure { img src=(address) alt="what the camera saw and where the robot is"; }
                 }

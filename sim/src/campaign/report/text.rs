@@ -2,9 +2,12 @@
 
 use serde_json::Value;
 
-use crate::campaign::cases::{CaseResult, Replay, Results};
+use crate::{
+    artefacts::wording::outside_by,
+    campaign::cases::{CaseResult, Replay, Results},
+};
 
-use super::{Group, Overview};
+use super::{Group, Overview, incidents::broken};
 
 /// Greatest number of combinations that are printed; a sweep with more has its HTML report and its CSV file.
 const MOST_GROUPS: usize = 60;
@@ -50,7 +53,8 @@ fn failure(case: &CaseResult, with_scene: bool) -> String {
     if let Some(first) = first_outside(case) {
         text += &format!("  {first}\n");
     }
-    for found in contradictions(case) {
+    let bounds = case.summary().map(broken_bounds).unwrap_or_default();
+    for found in bounds.into_iter().chain(contradictions(case)) {
         text += &format!("  {found}\n");
     }
     text + &format!("  replay: {}\n", Replay::of(case, "renders"))
@@ -58,11 +62,20 @@ fn failure(case: &CaseResult, with_scene: bool) -> String {
 
 /// Describes the first step at which the truth was outside: when, along which axis, by how much and why.
 pub fn first_outside(case: &CaseResult) -> Option<String> {
-    let first = case.first_failure();
+    first_outside_of(case.first_failure())
+}
+
+/// Describes the first step at which the truth was outside, as the table `first_failure` of a summary tells it.
+pub fn first_outside_of(first: &Value) -> Option<String> {
     let (time_s, margin) = (first["time_s"].as_f64()?, first["margin"].as_f64()?);
     let (axis, outcome, blame) = (first["axis"].as_str()?, first["outcome"].as_str()?, first["blame"].as_str()?);
     let outcome = outcome.replace('_', " ");
-    Some(format!("first outside at {time_s:.2} s: {axis} by {margin:.6}, {outcome}: {blame}"))
+    Some(format!("first outside at {time_s:.2} s: {}, {outcome}: {blame}", outside_by(axis, margin)))
+}
+
+/// Describes every declared bound that was broken: when, and by how much.
+pub fn broken_bounds(summary: &Value) -> Vec<String> {
+    broken(summary).iter().map(|bound| bound.text()).collect()
 }
 
 /// Describes the contradictions between readings that the localizer found: when, and which bounds cannot all be true.

@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
+use crate::artefacts::wording::outside_by;
+
 /// Greatest number of lines for one kind of finding; the summary has them all.
 const MOST_LINES: usize = 8;
 
@@ -38,7 +40,7 @@ pub fn text(summary: &Value) -> String {
                 (number("/containment/first_outside/time_s"), number("/containment/first_outside/margin"))
             {
                 let axis = word(&summary["containment"]["first_outside"]["axis"]);
-                let _ = writeln!(text, "  first outside at {at_s:.3} s, along {axis} by {margin:.4}");
+                let _ = writeln!(text, "  first outside at {at_s:.3} s: {}", outside_by(&axis, margin));
             }
         }
         None if summary["error"].is_null() => {
