@@ -1,4 +1,7 @@
-use std::fs;
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
 
 use sim::scene::Scene;
 
@@ -217,6 +220,30 @@ fn a_file_that_does_not_exist_is_refused() {
     let (code, _, stderr) = outcome(&mut wherein(&folder("no_file"), &["run", "missing.toml"]));
     assert_eq!(code, 2);
     assert!(stderr.contains("failed to read scene missing.toml: "), "{stderr}");
+}
+
+#[test]
+fn a_file_larger_than_any_scene_is_refused_at_once_by_every_command() {
+    let folder = folder("huge_scene");
+    // 117 MB of zero bytes, which take no place on the disk.
+    fs::File::create(folder.join("huge.toml")).unwrap().set_len(117_000_000).unwrap();
+    let expected = "failed to read scene huge.toml: it has 117.0 MB, expected a scene in TOML of at most 4 MB";
+    for command in [&["run"][..], &["sweep"], &["scene"], &["upgrade"]] {
+        let began = Instant::now();
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &[command, &["huge.toml"]].concat()));
+        assert!(code == 2 && stderr.contains(expected), "{command:?}: {stderr}");
+        assert!(began.elapsed() < Duration::from_secs(5), "{command:?} took {:?}", began.elapsed());
+    }
+    fs::write(folder.join("scene.toml"), "extends = \"huge.toml\"\n").unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+    assert!(
+        code == 2 && stderr.contains("`extends = \"huge.toml\"`: failed to read scene huge.toml: it has"),
+        "{stderr}"
+    );
+    if cfg!(unix) {
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "/dev/zero"]));
+        assert!(code == 2 && stderr.contains("failed to read scene /dev/zero: it has no end"), "{stderr}");
+    }
 }
 
 #[test]

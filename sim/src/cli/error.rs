@@ -58,8 +58,6 @@ pub(super) enum CommandError {
     ByWall { scene: PathBuf, at_m: [f64; 2], reach_m: f64 },
     #[error("render {} --at {},{}: in or by `furniture[{index}]`, expected {reach_m} m of distance, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
     InFurniture { scene: PathBuf, at_m: [f64; 2], index: usize, reach_m: f64 },
-    #[error("read {}: {}", .0.display(), .1)]
-    Unreadable(PathBuf, io::Error),
     #[error("upgrade {}: failed to {}", .0.display(), .1)]
     Upgrade(PathBuf, UpgradeError),
     #[error("write {}: {}", .0.display(), .1)]

@@ -7,6 +7,7 @@ use clap::Args;
 use crate::{
     artefacts::run_files,
     loading::{self, Upgraded, upgraded},
+    scene::text_of,
 };
 
 use super::{CommandError, print};
@@ -23,7 +24,7 @@ pub(super) struct UpgradeArguments {
 pub(super) fn upgrade(arguments: &UpgradeArguments) -> Result<(), CommandError> {
     let mut files = Vec::new();
     for path in loading::texts(&arguments.paths)? {
-        let text = fs::read_to_string(&path).map_err(|error| CommandError::Unreadable(path.clone(), error))?;
+        let text = text_of(&path)?;
         let upgraded = upgraded(&text).map_err(|error| CommandError::Upgrade(path.clone(), error))?;
         files.push((path, upgraded));
     }

@@ -18,6 +18,16 @@ pub enum SceneError {
         /// Error that the operating system reported.
         source: io::Error,
     },
+    /// The file is larger than any scene.
+    #[error("read scene {}: it has {}, expected a scene in TOML of at most {most_mb} MB", path.display(), size_mb.map_or("no end".to_owned(), |mb| format!("{mb:.1} MB")))]
+    TooLarge {
+        /// Path of the file.
+        path: PathBuf,
+        /// Size of the file in 10⁶ bytes; none for a device or a pipe, which states no size.
+        size_mb: Option<f64>,
+        /// Greatest size of a scene's file in 10⁶ bytes.
+        most_mb: u64,
+    },
     /// The scene's file is not text in UTF-8.
     #[error("read scene {file}: byte {offset} is not UTF-8, but a scene is a text file in TOML")]
     NotText {

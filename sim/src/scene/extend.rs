@@ -2,7 +2,8 @@
 //! stands.
 
 use std::{
-    fs,
+    fs::{self, File},
+    io::Read,
     ops::Range,
     path::{Component, Path},
 };
@@ -19,6 +20,10 @@ use super::{
     schema::{ADDS, EXTENDS},
     sources::{Source, Sources},
 };
+
+/// Greatest size of a scene's file, in 10⁶ bytes. Five hundred times the largest scene that comes with the program are read in a few seconds; a file
+/// that is larger is no scene, and would be read for a minute before anything said so.
+const MOST_MB: u64 = 4;
 
 impl Sources {
     /// Reads a scene's file, the file that it extends, the file that this one extends, and so on.
@@ -249,9 +254,21 @@ fn shifted_value(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>>
     Spanned::new(span, moved)
 }
 
-/// Reads the text of a scene file.
-fn text_of(path: &Path) -> Result<String, SceneError> {
-    let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+/// Reads the text of a scene file, or of a file that names a scene. Errors at once for a file that is larger than any scene.
+pub(crate) fn text_of(path: &Path) -> Result<String, SceneError> {
+    let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unreadable)?;
+    let (stated_bytes, most_bytes) = (file.metadata().map_err(unreadable)?.len(), MOST_MB * 1_000_000);
+    let too_large = |size_mb| SceneError::TooLarge { path: path.to_owned(), size_mb, most_mb: MOST_MB };
+    if stated_bytes > most_bytes {
+        return Err(too_large(Some(stated_bytes as f64 / 1e6)));
+    }
+    // A device or a pipe states no size, so that what is read is limited, too.
+    let mut bytes = Vec::new();
+    file.take(most_bytes + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > most_bytes {
+        return Err(too_large(None));
+    }
     String::from_utf8(bytes).map_err(|error| SceneError::NotText {
         file: path.display().to_string(),
         offset: error.utf8_error().valid_up_to(),

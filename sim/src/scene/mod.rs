@@ -45,6 +45,7 @@ pub use devices::*;
 pub use error::SceneError;
 pub use events::{Event, Side, Stuck};
 pub use expect::Expect;
+pub(crate) use extend::text_of;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use keys_page::keys_markdown;
 pub use lamps::{Lamp, LampKind, MAX_LAMPS, Spectrum};

@@ -1,13 +1,16 @@
 //! A sweep as a file with the keys `scene`, `seeds` and `baselines` and a table `[vary]`.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use toml::{
     Table, Value,
     de::{DeTable, DeValue},
 };
 
-use crate::{artefacts::run_files::naming, subject::SubjectChoice};
+use crate::{
+    scene::{SceneError, text_of},
+    subject::SubjectChoice,
+};
 
 use super::{Seeds, Sweep, SweepError, Variable, variable::values_of};
 
@@ -19,8 +22,12 @@ impl Sweep {
     ///
     /// The path of the scene in the file is relative to the sweep file.
     pub fn load(path: &Path) -> Result<Option<Sweep>, SweepError> {
-        // A file that is not text is no sweep; loading it as a scene reports the error.
-        let Ok(text) = String::from_utf8(naming("read", path, fs::read(path))?) else { return Ok(None) };
+        let text = match text_of(path) {
+            Ok(text) => text,
+            // A file that is not text is no sweep; loading it as a scene reports the error.
+            Err(SceneError::NotText { .. }) => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
         let Ok(table) = text.parse::<Table>() else { return Ok(None) };
         if !table.contains_key("scene") {
             return Ok(None);
