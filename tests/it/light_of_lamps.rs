@@ -182,6 +182,23 @@ fn the_shadow_of_a_person_ends_where_rays_past_head_and_shoulders_meet_the_floor
 }
 
 #[test]
+fn the_point_straight_below_a_lamp_is_shaded_only_by_who_stands_there() {
+    // The bulb hangs 2 m up at (1, 1.5), where the floor's light map has a node.
+    let (building, lighting, map) = baked(&black_room(BULB), &[]);
+    let share = |x: f64, y: f64| {
+        let (middle_m, velocity_m_per_s) = ([x, y], [0.0; 2]);
+        let person =
+            UprightBody { middle_m, heading_rad: 0.0, height_m: 1.7, radius_m: 0.2, stride: 0.0, velocity_m_per_s };
+        let nodes = nodes_with_people(&lighting, &map, &building.panels, &[person]);
+        at_floor(&LightMap { nodes, ..map.clone() }, &building, 1.0, 1.5) / at_floor(&map, &building, 1.0, 1.5)
+    };
+    for (x, y) in [(3.5, 0.4), (3.5, 2.6), (2.9, 1.5), (0.3, 2.8)] {
+        assert!(share(x, y) > 0.99, "a person at ({x}, {y}) leaves {}", share(x, y));
+    }
+    assert!(share(1.0, 1.5) < 0.1, "who stands there leaves {}", share(1.0, 1.5));
+}
+
+#[test]
 fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
     // A long board hangs under one half of the lamp, a panel, and the point whose illuminance is tested is straight below the board's edge.
     let panel = Source {

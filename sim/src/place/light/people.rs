@@ -13,6 +13,8 @@ const LEAST_SOFT_M: f64 = 0.02;
 const AT_FEET: (f64, f64) = (0.35, 0.15);
 /// Distance from a person's feet, in multiples of the decay length of the shade around them, beyond which that shade is neglected (5e-5).
 const FEET_REACH: f64 = 9.0;
+/// Distance from the point below a lamp within which the direction to the lamp on the floor means nothing.
+const STRAIGHT_BELOW_M: f64 = 1e-4;
 /// Least share of a lamp's light that remains in a shadow, because some light always comes by reflection in the room.
 const LEAST_LEFT: f64 = 0.05;
 
@@ -102,14 +104,18 @@ fn hidden(shadows: &[(&Source, &UprightBody)], at: Point3<f64>, normal: Vector3<
 /// Share of a lamp of the given radius that a person hides from a point.
 fn hidden_behind(person: &UprightBody, at: Point3<f64>, way: Vector3<f64>, lamp_radius_m: f64) -> f64 {
     let to_axis = Point2::from(person.middle_m) - at.xy();
-    let level_m = way.xy().norm().max(1e-4);
-    let direction = way.xy() / level_m;
-    let along_m = to_axis.dot(&direction);
-    if along_m < 0.0 || along_m > level_m {
-        return 0.0;
-    }
-    let aside_m = direction.perp(&to_axis).abs();
-    let share = along_m / level_m;
+    let level_m = way.xy().norm();
+    // Of a point straight below the lamp only who stands right there hides a part.
+    let (aside_m, share) = if level_m < STRAIGHT_BELOW_M {
+        (to_axis.norm(), 0.0)
+    } else {
+        let direction = way.xy() / level_m;
+        let along_m = to_axis.dot(&direction);
+        if along_m < 0.0 || along_m > level_m {
+            return 0.0;
+        }
+        (direction.perp(&to_axis).abs(), along_m / level_m)
+    };
     // Half-width of the shadow's penumbra, measured where the person stands.
     let soft_m = (lamp_radius_m * share).max(LEAST_SOFT_M);
     let beside_m = WIDTH_OF_SHOULDERS * person.radius_m - aside_m;
