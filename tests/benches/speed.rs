@@ -32,6 +32,7 @@ fn main() {
         runs();
         steps();
         forward_frames();
+        people_in_a_hall();
     }
     views();
     memory();
@@ -150,6 +151,23 @@ fn steps() {
     line("a step of the localizer in paper 3's loop, mean", 1e3 * mean_s, "ms", "≤ 1");
     line("  the longest of 1000", 1e3 * steps_s[steps_s.len() * 999 / 1000], "ms", "");
     line("  the longest of all", 1e3 * steps_s[steps_s.len() - 1], "ms", "≤ 20");
+}
+
+/// Measures a ceiling image of a hall of 30 m by 20 m with 96 lamps, empty and with three people who walk.
+fn people_in_a_hall() {
+    let hall = "duration_s = 3.0\n[room]\nwidth_m = 30.0\ndepth_m = 20.0\n[robot]\nfloor_camera = false\n[robot.ceiling_camera]\n\
+                [localizer]\nmethods = [\"ceiling_markers\"]\n[start]\nx_m = 5.0\ny_m = 5.0\n[[route.waypoint]]\nx_m = 8.0\ny_m = 6.0\n";
+    let people: String = [[[10, 10], [12, 11]], [[4, 12], [7, 12]], [[20, 5], [24, 6]]]
+        .map(|way| format!("[[person]]\nwaypoints_m = {way:?}\n"))
+        .concat();
+    let mut renderer = Renderer::new().unwrap();
+    for (what, text, aim) in [("empty", hall.to_owned(), ""), ("three people", hall.to_owned() + &people, "≤ 60")] {
+        let scene = Scene::parse(&text, "hall.toml").unwrap();
+        let (subject, options) = (&mut IntervalLocalizer::of(&scene), RunOptions::default());
+        let record = run(&scene, 0, subject, Some(&mut renderer), &options, &mut |_| {}).unwrap();
+        let per_image_ms = 1e3 * record.timing.render_s / record.images.len() as f64;
+        line(&format!("a ceiling image of a hall, {what}"), per_image_ms, "ms", aim);
+    }
 }
 
 /// Measures each step of the method `wall_directions`, which computes headings from edges in images of the forward camera, on images of a room at 0.1

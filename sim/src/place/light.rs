@@ -7,6 +7,7 @@
 
 mod bounce;
 mod floor_field;
+mod footprint;
 mod lightmap;
 mod occlusion;
 mod people;

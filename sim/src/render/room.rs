@@ -101,6 +101,7 @@ impl RoomPass {
         };
         let hidden: Vec<bool> = world.building.panels.iter().enumerate().map(&mut hides).collect();
         let people = world.people.seen_in(&frustum);
+        world.light_bodies(graphics, &people);
         let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden, rolling);
         let edges = world.edge_lists[usize::from(rolling)].runs(&hidden);
         slot.choose(graphics, &drawing.indices);

@@ -1,5 +1,7 @@
 //! The people in a room as they were last placed, in memory of the graphics device.
 
+use std::sync::OnceLock;
+
 use nalgebra::Point3;
 
 use super::frustum::Frustum;
@@ -10,9 +12,11 @@ use crate::{place::building::UprightBody, render::device::Graphics};
 #[derive(Debug)]
 pub(super) struct People {
     pub(super) placed: Vec<UprightBody>,
-    /// Vertices of all people, as lit in the visible and in the infrared band.
+    /// Vertices of all people, as lit in the visible and in the infrared band; of each person once that is lit.
     pub(super) corners: [wgpu::Buffer; 2],
     pub(super) corners_of_each: u32,
+    /// For each person whether the vertices are lit.
+    pub(super) lit: Vec<OnceLock<()>>,
     /// Triangles of one person's body, as the indices of three vertices each.
     pub(super) triangles: wgpu::Buffer,
     pub(super) indices_of_each: u32,
@@ -27,6 +31,7 @@ impl People {
             placed: Vec::new(),
             corners: [0, 1].map(|_| vertices(graphics, 64)),
             corners_of_each: 0,
+            lit: Vec::new(),
             triangles: vertices(graphics, 64),
             indices_of_each: 0,
             edges: vertices(graphics, 128),

@@ -1,5 +1,7 @@
 //! Places people in a room: their surfaces are lit vertex by vertex, and their shadows are added to the light map. Both are computed when
-//! people move, not for every view.
+//! people move, not for every view; the surfaces only of people whom a view may show.
+
+use std::sync::OnceLock;
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -53,16 +55,18 @@ impl RoomWorld {
         for (band, texture) in self.light_maps.iter().enumerate() {
             write_light(graphics, texture, &nodes, band);
         }
-        let corners = self.lit_corners(bodies);
-        for (band, corners) in corners.iter().enumerate() {
-            write(graphics, &mut self.people.corners[band], bytemuck::cast_slice(corners));
+        let corners_of_each = bodies.first().map_or(0, |body| body_mesh(body).corners.len());
+        let n_corners = corners_of_each * bodies.len();
+        for corners in &mut self.people.corners {
+            reserve(graphics, corners, n_corners * size_of::<CornerOnDevice>());
         }
+        self.people.lit = bodies.iter().map(|_| OnceLock::new()).collect();
         let edges: Vec<EdgeOnDevice> =
             bodies.iter().flat_map(|body| edges::of_body(&body_mesh(body), &velocities(body))).collect();
         write(graphics, &mut self.people.edges, bytemuck::cast_slice(&edges));
         let n_bodies = bodies.len().max(1) as u32;
         self.people.edges_of_each = edges.len() as u32 / n_bodies;
-        self.people.corners_of_each = corners[0].len() as u32 / n_bodies;
+        self.people.corners_of_each = corners_of_each as u32;
         let triangles = bodies.first().map_or_else(Vec::new, |body| body_mesh(body).triangles);
         let indices: Vec<u32> = triangles.iter().flatten().map(|corner| *corner as u32).collect();
         write(graphics, &mut self.people.triangles, bytemuck::cast_slice(&indices));
@@ -102,7 +106,21 @@ impl RoomWorld {
         (0..runs).map(lit).collect()
     }
 
-    fn lit_corners(&self, bodies: &[UprightBody]) -> [Vec<CornerOnDevice>; 2] {
+    /// Lights the people whom a picture may show, each once for all pictures until people are placed anew. In a hall most people are in no picture,
+    /// and a person's vertices take as long to be lit as many thousand nodes of the light map.
+    pub(super) fn light_bodies(&self, graphics: &Graphics, seen: &[usize]) {
+        for index in seen {
+            self.people.lit[*index].get_or_init(|| {
+                let first = *index * self.people.corners_of_each as usize * size_of::<CornerOnDevice>();
+                let corners = self.lit_corners(&self.people.placed[*index]);
+                for (buffer, corners) in self.people.corners.iter().zip(&corners) {
+                    graphics.queue.write_buffer(buffer, first as u64, bytemuck::cast_slice(corners));
+                }
+            });
+        }
+    }
+
+    fn lit_corners(&self, body: &UprightBody) -> [Vec<CornerOnDevice>; 2] {
         let lit = |(vertex, velocity): (&BodyVertex, &Vector3<f64>)| {
             let room = self.building.room_at(vertex.at);
             let light = self.lighting.at(vertex.at, vertex.normal, room, LAMP_SAMPLES).by_band;
@@ -115,10 +133,8 @@ impl RoomWorld {
             })
         };
         let mut corners = [Vec::new(), Vec::new()];
-        for body in bodies {
-            for both in body_mesh(body).corners.iter().zip(&velocities(body)).map(lit) {
-                corners.iter_mut().zip(both).for_each(|(corners, corner)| corners.push(corner));
-            }
+        for both in body_mesh(body).corners.iter().zip(&velocities(body)).map(lit) {
+            corners.iter_mut().zip(both).for_each(|(corners, corner)| corners.push(corner));
         }
         corners
     }
@@ -138,8 +154,13 @@ fn velocities(body: &UprightBody) -> Vec<Vector3<f64>> {
 
 /// Writes new content into a graphics buffer; the buffer is replaced by a larger one if necessary.
 fn write(graphics: &Graphics, buffer: &mut wgpu::Buffer, bytes: &[u8]) {
-    if bytes.len() as u64 > buffer.size() {
-        *buffer = vertices(graphics, (bytes.len() as u64).next_power_of_two());
-    }
+    reserve(graphics, buffer, bytes.len());
     graphics.queue.write_buffer(buffer, 0, bytes);
+}
+
+/// Replaces a graphics buffer by a larger one if it has no room for so many bytes.
+fn reserve(graphics: &Graphics, buffer: &mut wgpu::Buffer, bytes: usize) {
+    if bytes as u64 > buffer.size() {
+        *buffer = vertices(graphics, (bytes as u64).next_power_of_two());
+    }
 }
