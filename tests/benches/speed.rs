@@ -32,6 +32,7 @@ fn main() {
         runs();
         steps();
         forward_frames();
+        rolling_frames();
         people_in_a_hall();
     }
     views();
@@ -151,6 +152,21 @@ fn steps() {
     line("a step of the localizer in paper 3's loop, mean", 1e3 * mean_s, "ms", "≤ 1");
     line("  the longest of 1000", 1e3 * steps_s[steps_s.len() * 999 / 1000], "ms", "");
     line("  the longest of all", 1e3 * steps_s[steps_s.len() - 1], "ms", "≤ 20");
+}
+
+/// Measures the method `floor_tiles` on images whose rows are exposed one after the other while the robot moves: each is straightened anew.
+fn rolling_frames() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut renderer = Renderer::new().unwrap();
+    for (name, what) in [("rolling_shutter", "a rolling shutter"), ("bent_rolling_lens", "the same behind a bent lens")]
+    {
+        let mut scene = Scene::load(&root.join(format!("scenes/floor/{name}.toml"))).unwrap();
+        scene.duration_s = 10.0;
+        let (subject, options) = (&mut IntervalLocalizer::of(&scene), RunOptions::default());
+        let record = run(&scene, 0, subject, Some(&mut renderer), &options, &mut |_| {}).unwrap();
+        let per_image_ms = 1e3 * record.timing.vision_s / record.images.len() as f64;
+        line(&format!("floor_tiles, {what}"), per_image_ms, "ms", "≤ 6");
+    }
 }
 
 /// Measures a ceiling image of a hall of 30 m by 20 m with 96 lamps, empty and with three people who walk.

@@ -6,6 +6,7 @@
 //! one after the other, the straightened image may also be corrected for motion: to what the pinhole camera would have shown at the time of the
 //! image's stamp, if the motion is as estimated.
 
+mod grid;
 #[cfg(test)]
 #[allow(clippy::expect_used)]
 mod tests;
@@ -13,6 +14,7 @@ mod tests;
 use image::GrayImage;
 
 use super::{FloorLines, distortion};
+use grid::{Grid, Node};
 use interval::Interval;
 
 /// Estimated motion of the straightened (pinhole) image during the time from the exposure of one raw row to that of the next.
@@ -77,9 +79,20 @@ impl Straightening {
         }
         let inset_px = raw_size_px.map(|size| size / 2);
         let mut lens = Straightening { distortion, focal_px, rows, raw_size_px, inset_px, sources: Vec::new() };
-        if raw_size_px.iter().all(|&size| size >= 2) {
-            lens.inset_px = lens.inset();
-            lens.sources = lens.pixels().map(|pixel| lens.source(pixel)).collect();
+        if raw_size_px.iter().any(|&size| size < 2) {
+            return Some(lens);
+        }
+        if rows == RowMotion::default() {
+            let whole = Straightening { inset_px: [0, 0], ..lens.clone() };
+            lens.inset_px = lens.inset(whole.pixels().filter(|&pixel| !lens.is_shown(&lens.node(pixel))));
+            lens.sources = lens.pixels().map(|pixel| lens.source(&lens.node(pixel))).collect();
+        } else {
+            // The motion is another one in each image, so that this has to be quick.
+            let grid = Grid::new(raw_size_px, |pixel| lens.node(pixel));
+            lens.inset_px = lens.inset(grid.without_source(|node| lens.is_shown(node)).into_iter());
+            let [columns, rows] = [0, 1].map(|axis| lens.inset_px[axis]..raw_size_px[axis] - lens.inset_px[axis]);
+            let nodes = rows.flat_map(|v| grid.row(v, columns.clone()));
+            lens.sources = nodes.map(|node| lens.source(&node)).collect();
         }
         Some(lens)
     }
@@ -90,14 +103,12 @@ impl Straightening {
         rows.flat_map(move |v| columns.clone().map(move |u| [f64::from(u), f64::from(v)]))
     }
 
-    /// Number of pixels to cut off at each side so that every remaining pixel has a source.
-    fn inset(&self) -> [u32; 2] {
+    /// Number of pixels to cut off at each side so that every remaining pixel has a source, given the pixels without one.
+    fn inset(&self, without: impl Iterator<Item = [f64; 2]>) -> [u32; 2] {
         let half_px = self.raw_size_px.map(|size| 0.5 * f64::from(size));
         let middle_px = self.middle_px();
         // Distance of a pixel from the middle of the image along one axis, in units of half the image's width or height.
         let share = |axis: usize, at: f64| (at - middle_px[axis]).abs() / half_px[axis];
-        let whole = Straightening { inset_px: [0, 0], sources: Vec::new(), ..*self };
-        let without = whole.pixels().filter(|&pixel| !self.is_shown(pixel));
         let first = without.map(|[u, v]| share(0, u).max(share(1, v))).fold(f64::INFINITY, f64::min);
         [0, 1].map(|axis| {
             let half = self.raw_size_px[axis] / 2;
@@ -105,18 +116,21 @@ impl Straightening {
         })
     }
 
-    /// Whether the raw image contains the place that a pixel of the pinhole image is taken from, and the lens does not fold (show two points at one
-    /// place) there.
-    fn is_shown(&self, pinhole_px: [f64; 2]) -> bool {
+    /// What a pixel of the pinhole image is taken from.
+    fn node(&self, pinhole_px: [f64; 2]) -> Node {
         let pinhole_px = self.at_row(pinhole_px);
         let [a, mixed, b] = distortion::slopes(self.distortion, self.in_focal_lengths(pinhole_px));
-        let least = 0.5 * (a + b) - (0.5 * (a - b)).hypot(mixed);
-        let raw_px = self.raw_px(pinhole_px);
-        least > LEAST_SLOPE && (0..2).all(|axis| (0.0..=f64::from(self.raw_size_px[axis] - 1)).contains(&raw_px[axis]))
+        let least_slope = 0.5 * (a + b) - (0.5 * (a - b)).hypot(mixed);
+        Node { raw_px: self.raw_px(pinhole_px), least_slope }
     }
 
-    fn source(&self, pinhole_px: [f64; 2]) -> Source {
-        let raw_px = self.raw_px(self.at_row(pinhole_px));
+    /// Whether the raw image contains the place that a pixel is taken from, and the lens does not fold (show two points at one place) there.
+    fn is_shown(&self, Node { raw_px, least_slope }: &Node) -> bool {
+        let is_in = |axis: usize| (0.0..=f64::from(self.raw_size_px[axis] - 1)).contains(&raw_px[axis]);
+        *least_slope > LEAST_SLOPE && is_in(0) && is_in(1)
+    }
+
+    fn source(&self, Node { raw_px, .. }: &Node) -> Source {
         // A source position on the last raw pixel of a row or column has no neighbour beyond it; it is interpolated
         // from the pixel before with full weight on the last one.
         let first = [0, 1].map(|axis| (raw_px[axis].max(0.0) as u32).min(self.raw_size_px[axis] - 2));

@@ -58,7 +58,7 @@ fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
     // 0.9041; the last pixel before that is kept.
     let kept = [0, 1].map(|axis| 1.0 - f64::from(inset[axis]) / [320.5, 240.5][axis]);
     assert!(kept.iter().all(|kept| (kept - 0.9041).abs() < 0.01), "{kept:?}");
-    assert!(lens.pixels().all(|pixel| lens.is_shown(pixel)));
+    assert!(lens.pixels().all(|pixel| lens.is_shown(&lens.node(pixel))));
     let point = FloorLines {
         lines: vec![crate::vision::FloorLine { points_px: vec![[1.0, 2.0, 0.3]], share_wrong: 0.0, family: 0 }],
         rejected_px: vec![[0.0, 0.0, 5.0, 6.0]],
@@ -96,6 +96,35 @@ fn a_place_is_where_the_motion_has_brought_it_by_the_time_of_its_row() {
     // An image with too much motion from row to row is not corrected for it, and one without motion needs no correction.
     for rows in [RowMotion { shift_px: [0.0, 0.2], turn_rad: 0.0 }, RowMotion::default()] {
         assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).is_none());
+    }
+}
+
+#[test]
+fn a_moving_picture_is_taken_from_where_each_pixel_is_worked_out_to_be() {
+    let lenses = [[0.0; 5], [-0.2, 0.0, 0.0, 0.0, 0.0], [0.12, 0.0, 0.001, -0.001, 0.0], [-0.6, 0.0, 0.0, 0.0, 0.0]];
+    let motions = [([0.02, 0.01], 3e-5), ([-0.01, 0.05], -2e-5), ([0.0, -0.03], 1.5e-4), ([0.001, 0.0], 0.0)];
+    for (distortion, (shift_px, turn_rad)) in lenses.into_iter().flat_map(|lens| motions.map(|motion| (lens, motion))) {
+        let rows = RowMotion { shift_px, turn_rad };
+        let moving =
+            Straightening::new(SIZE_PX, 400.0, distortion, rows).unwrap_or_else(|| panic!("a picture that moves"));
+        assert_eq!(moving.rows, rows, "so little motion is corrected");
+        let (mut farthest_px, mut n_outside) = (0.0_f64, 0);
+        for (pixel, source) in moving.pixels().zip(&moving.sources) {
+            let exact = moving.node(pixel);
+            let corner = [source.corner % SIZE_PX[0], source.corner / SIZE_PX[0]];
+            let told = [0, 1].map(|axis| f64::from(corner[axis]) + f64::from(source.towards[axis]) / 256.0);
+            let off_px = (0..2).map(|axis| (told[axis] - exact.raw_px[axis]).abs()).fold(0.0, f64::max);
+            farthest_px = farthest_px.max(off_px);
+            n_outside += usize::from(!moving.is_shown(&exact));
+        }
+        // Half a 256th of rounding, and twice the error that is allowed at the middles of some cells.
+        assert!(farthest_px < 2.5 / 256.0, "{distortion:?} {rows:?}: {farthest_px} px");
+        assert_eq!(moving.sources.len(), moving.pixels().count());
+        assert!(n_outside < 20, "{distortion:?} {rows:?}: {n_outside} pixels that the raw picture does not show");
+        // What is cut off is what a pixel by pixel search cuts off, but for a pixel at the edge.
+        let whole = Straightening { inset_px: [0, 0], ..moving.clone() };
+        let exact = moving.inset(whole.pixels().filter(|&pixel| !moving.is_shown(&moving.node(pixel))));
+        assert!((0..2).all(|axis| moving.inset_px[axis].abs_diff(exact[axis]) <= 1), "{:?} {exact:?}", moving.inset_px);
     }
 }
 
