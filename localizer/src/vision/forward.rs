@@ -5,7 +5,6 @@
 //! paper:  equalise ─────────────────> rolling guidance ──> segments ──> sets A and B ──> RANSAC ──> LM ──> azimuth
 //! ```
 
-mod draws;
 pub mod equalise;
 pub mod features;
 pub mod guidance_filter;

@@ -13,6 +13,7 @@
 pub mod ceiling;
 pub mod direct;
 pub(crate) mod distortion;
+mod draws;
 pub mod forward;
 pub mod line_fit;
 pub mod p3p;

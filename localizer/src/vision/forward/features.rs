@@ -10,7 +10,7 @@ use imageproc::{
     point::Point,
 };
 
-use super::draws::Draws;
+use crate::vision::draws::Draws;
 
 /// Least contrast of a FAST corner, in grey levels; the value that OpenCV's ORB uses.
 const CONTRAST: u8 = 20;

@@ -5,7 +5,8 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3, vector};
 
-use super::{Picture, Segment, draws::Draws, equalise, guidance_filter, segments};
+use super::{Picture, Segment, equalise, guidance_filter, segments};
+use crate::vision::draws::Draws;
 
 /// Kinds of histogram equalisation with which the processing chain of paper 2 brightens an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
