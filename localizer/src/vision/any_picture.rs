@@ -4,6 +4,7 @@
 use std::panic::catch_unwind;
 
 use image::{GrayImage, Luma};
+use interval::Interval;
 use nalgebra::Vector3;
 
 use super::{
@@ -15,6 +16,7 @@ use super::{
         vanishing::{self, Equalisation},
     },
     line_fit, p3p, paper,
+    point_features::{Frame, ImageBounds, Search},
     straighten::{RowMotion, Straightening},
     synthetic::Random,
 };
@@ -61,7 +63,7 @@ fn pictures() -> Vec<GrayImage> {
 /// A way into the image processing, by name: from an image to the number of things that were seen in it.
 type Way = (&'static str, fn(&GrayImage) -> usize);
 
-const WAYS: [Way; 16] = [
+const WAYS: [Way; 17] = [
     ("direct::detect", |image| joints(image, direct::detect)),
     ("paper::detect", |image| joints(image, paper::detect)),
     ("forward::detect", |image| forward::detect(&Picture::from(image)).len()),
@@ -90,6 +92,19 @@ const WAYS: [Way; 16] = [
     ("ceiling::detect", markers),
     ("ceiling::paper", |image| {
         usize::from(ceiling::paper::detect(image, 2.9).is_some()) + ceiling::paper::detect_all(image, 2.9).len()
+    }),
+    ("point_features", |image| {
+        let bounds = ImageBounds { focal_px: 500.0, slant: 1.0, dark_noise_grey: 1.0, electrons_per_grey: 20.0 };
+        let mut frame = Frame::new(image, &bounds);
+        let landmarks = frame.landmarks(10);
+        let region = [image.width(), image.height()].map(|size| Interval::new(-50.0, f64::from(size)));
+        for [scale, turn_rad] in [[Interval::new(0.7, 1.4), Interval::ENTIRE], [Interval::ENTIRE, Interval::ZERO]] {
+            let search = Search::in_box(region, scale, turn_rad);
+            for landmark in &landmarks {
+                let _ = frame.find(landmark, &search);
+            }
+        }
+        frame.keypoints().len()
     }),
     ("chessboard::corners::find", |image| {
         let boards = [[0, 0], [1, 1], [1, 9], [2, 2], [2, 3], [9, 7]];

@@ -18,6 +18,7 @@ pub mod forward;
 pub mod line_fit;
 pub mod p3p;
 pub mod paper;
+pub mod point_features;
 pub(crate) mod straighten;
 
 #[cfg(test)]
