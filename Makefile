@@ -22,7 +22,7 @@ help:
 	@echo "make gallery       take the pictures of README's gallery anew; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make straight-drive  rerun paper 4's numerical experiment and put its tables and figure into the book: two minutes"
-	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
+	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P, 900 pairs of images: 60 minutes"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
 	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
 	@echo "make python        build the Python package as a wheel; PYTHON=…"
@@ -45,6 +45,7 @@ bench: driver
 	cargo bench --profile dev -p wherein-interval --bench interval
 	cargo bench --profile dev -p wherein-interval --bench linear_program
 	cargo bench --profile dev -p wherein-localizer --bench p3p
+	cargo bench --profile dev -p wherein-localizer --bench point_features
 	cargo bench --profile dev -p wherein-localizer --bench rigid_motion
 	cargo bench --profile dev -p wherein-tests --bench speed
 	cargo bench --profile dev -p wherein-tests --bench endurance
@@ -83,6 +84,7 @@ falsify:
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
 	WHEREIN_PROGRAMS=100000 cargo test -p wherein-interval --lib -- --nocapture solver
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
+	WHEREIN_FEATURE_PAIRS=60 cargo test -p wherein-localizer --lib -- --nocapture point_features
 
 # The default seed of a search is the time in seconds since 1970, which no earlier search had. make prints the command, so that the same
 # search can be repeated.
