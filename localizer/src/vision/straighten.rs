@@ -131,11 +131,11 @@ impl Straightening {
     }
 
     fn source(&self, Node { raw_px, .. }: &Node) -> Source {
-        // A source position on the last raw pixel of a row or column has no neighbour beyond it; it is interpolated
-        // from the pixel before with full weight on the last one.
-        let first = [0, 1].map(|axis| (raw_px[axis].max(0.0) as u32).min(self.raw_size_px[axis] - 2));
-        let towards =
-            [0, 1].map(|axis| (256.0 * (raw_px[axis] - f64::from(first[axis]))).round().clamp(0.0, 256.0) as u16);
+        // Rounded to 256ths of a pixel. A source position on the last raw pixel of a row or column has no neighbour beyond it; it is interpolated from
+        // the pixel before with full weight on the last one.
+        let rounded = raw_px.map(|at| (256.0 * at.max(0.0) + 0.5) as u32);
+        let first = [0, 1].map(|axis| (rounded[axis] / 256).min(self.raw_size_px[axis] - 2));
+        let towards = [0, 1].map(|axis| (rounded[axis] - 256 * first[axis]).min(256) as u16);
         Source { corner: first[1] * self.raw_size_px[0] + first[0], towards }
     }
 
