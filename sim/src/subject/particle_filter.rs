@@ -26,7 +26,7 @@ use super::{
     cues::{Cues, Mounted, SIGMAS_OF_BOUND, Seen, Step, Told, turned},
 };
 
-use cloud::{Cloud, Sample};
+use cloud::{Cloud, Constants, Sample};
 use likelihood::{Known, likelihood};
 use odometry::{Odometry, Reckoned, Way};
 
@@ -37,8 +37,7 @@ pub struct ParticleFilter {
     tuning: Tuning,
     name: String,
     area_m2: f64,
-    /// Standard deviation of the gyroscope's bias at the start; 0 without a gyroscope.
-    bias_sigma_rad_per_s: f64,
+    constants: Constants,
     odometry: Odometry,
     cloud: Cloud,
     /// Dead reckoning at the stamp that the samples stand for.
@@ -61,11 +60,16 @@ impl ParticleFilter {
     /// The filter for a scene, with the map, robot and bounds that it states; `name` is what results call it.
     pub fn of(scene: &Scene, tuning: Tuning, name: String) -> ParticleFilter {
         let (map, robot) = (scene.map(), scene.robot_model());
+        let cues = Cues::new(scene, &map, &robot);
+        let constants = Constants {
+            bias_rad_per_s: robot.gyro.map_or(0.0, |gyro| SIGMAS_OF_BOUND * 0.5 * gyro.bias_rad_per_s.width()),
+            mounts: Mounted::ALL.map(|mounted| cues.mount(mounted).map_or([0.0; 3], |mount| mount.sigma)),
+        };
         let mut filter = ParticleFilter {
-            cues: Cues::new(scene, &map, &robot),
+            cues,
             odometry: Odometry::new(&robot, tuning),
             area_m2: map.room_m[0].width() * map.room_m[1].width(),
-            bias_sigma_rad_per_s: robot.gyro.map_or(0.0, |gyro| SIGMAS_OF_BOUND * 0.5 * gyro.bias_rad_per_s.width()),
+            constants,
             robot,
             tuning,
             name,
@@ -84,7 +88,7 @@ impl ParticleFilter {
         self.sampled = self.odometry.latest();
         self.waiting.clear();
         self.explained = None;
-        self.cloud.draw_start(start, self.bias_sigma_rad_per_s);
+        self.cloud.draw_start(start, &self.constants);
     }
 
     /// Carries the samples on to a later stamp.
@@ -99,7 +103,9 @@ impl ParticleFilter {
         if stamp_s > self.sampled.stamp_s {
             self.carry(at);
         }
-        let Some(mount) = self.cues.mount(mounted) else { return };
+        if self.cues.mount(mounted).is_none() {
+            return;
+        }
         // A measurement from before the stamp of the samples is compared with where each of them was then.
         let back = Way::between(&self.sampled, &at).exactly();
         let known = Known {
@@ -108,9 +114,15 @@ impl ParticleFilter {
             area_m2: self.area_m2,
             scale: self.tuning.cues,
         };
-        let mean_rad = self.cloud.mean_of(&|sample| back.from(sample.pose, &sample.errors)[2]);
-        let Some(likelihood) = likelihood(seen, mount, &known, mean_rad) else { return };
-        let of_sample = |sample: &Sample| likelihood(back.from(sample.pose, &sample.errors));
+        // The pose at which the device would be seen to be if it were mounted as stated.
+        let apparent = |Sample { pose, errors, .. }: &Sample| {
+            let ([x_m, y_m, heading_rad], mount) = (back.from(*pose, errors), errors.mounts[mounted as usize]);
+            let [dx, dy] = turned([mount[0], mount[1]], heading_rad);
+            [x_m + dx, y_m + dy, heading_rad + mount[2]]
+        };
+        let mean_rad = self.cloud.mean_of(&|sample| apparent(sample)[2]);
+        let Some(likelihood) = likelihood(seen, &known, mean_rad) else { return };
+        let of_sample = |sample: &Sample| likelihood(apparent(sample));
         let Some(best) = best_pose(seen, mean_rad) else {
             self.cloud.weigh(&of_sample);
             return;
@@ -122,7 +134,7 @@ impl ParticleFilter {
         self.explained = Some([short, long]);
         let lost_share = (1.0 - short / long.max(f64::MIN_POSITIVE)).max(0.0);
         let forth = Way::between(&at, &self.sampled).exactly();
-        self.cloud.replace(lost_share, self.bias_sigma_rad_per_s, &forth, &|rng, pose| drawn_from(seen, pose, rng));
+        self.cloud.replace(lost_share, &self.constants, &forth, &|rng, pose| drawn_from(seen, pose, rng));
     }
 
     fn step(&mut self, step: &Step) {

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::subject::cues::SIGMAS_OF_BOUND;
+use crate::subject::cues::{Mounted, SIGMAS_OF_BOUND};
 
 use super::{
     odometry::{Errors, N_LASTING, Way},
@@ -17,6 +17,15 @@ use super::{
 pub(crate) struct Cloud {
     pub(crate) samples: Vec<Sample>,
     rng: ChaCha8Rng,
+}
+
+/// Standard deviations of the errors that stay the same all the time.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Constants {
+    /// That of the gyroscope's bias; 0 without a gyroscope.
+    pub(crate) bias_rad_per_s: f64,
+    /// Those of the mounts of the devices of [`Mounted::ALL`]: forward, left and yaw; 0 for a device that there is not.
+    pub(crate) mounts: [[f64; 3]; Mounted::ALL.len()],
 }
 
 /// One sample of the pose.
@@ -53,7 +62,7 @@ impl Cloud {
     }
 
     /// Draws the samples of a start somewhere in a box, whose half widths are bounds.
-    pub(crate) fn draw_start(&mut self, start: &PoseBox, bias_sigma_rad_per_s: f64) {
+    pub(crate) fn draw_start(&mut self, start: &PoseBox, constants: &Constants) {
         let rng = &mut self.rng;
         let draw = |rng: &mut ChaCha8Rng, axis: usize| {
             let (middle, half) = (start[axis].mid(), 0.5 * start[axis].width());
@@ -65,7 +74,7 @@ impl Cloud {
         };
         let sample = |_| {
             let pose = [0, 1, 2].map(|axis| draw(rng, axis));
-            Sample { pose, errors: drawn(rng, bias_sigma_rad_per_s), log_weight: 0.0 }
+            Sample { pose, errors: drawn(rng, constants), log_weight: 0.0 }
         };
         self.samples = (0..N_SAMPLES[1]).map(sample).collect();
         self.samples.truncate(n_by_kld(n_bins(self.samples.iter().map(|sample| sample.pose))));
@@ -118,7 +127,7 @@ impl Cloud {
     pub(crate) fn replace(
         &mut self,
         share: f64,
-        bias_sigma_rad_per_s: f64,
+        constants: &Constants,
         forth: &Way,
         draw: &dyn Fn(&mut ChaCha8Rng, [f64; 3]) -> [f64; 3],
     ) {
@@ -126,7 +135,7 @@ impl Cloud {
             if self.rng.random::<f64>() >= share {
                 continue;
             }
-            sample.errors = drawn(&mut self.rng, bias_sigma_rad_per_s);
+            sample.errors = drawn(&mut self.rng, constants);
             sample.pose = forth.from(draw(&mut self.rng, sample.pose), &sample.errors);
         }
     }
@@ -165,14 +174,27 @@ impl Cloud {
         let drawn = low_variance(&weights, total, n_samples, self.rng.random());
         self.samples = drawn.into_iter().map(|index| Sample { log_weight: 0.0, ..self.samples[index] }).collect();
         self.regularise();
-        let mean = self.mean_of(&|sample| sample.errors.bias_rad_per_s);
-        let sigma = self.mean_of(&|sample| (sample.errors.bias_rad_per_s - mean).powi(2)).sqrt();
-        for sample in &mut self.samples {
-            let normal: f64 = StandardNormal.sample(&mut self.rng);
-            let towards = mean + (1.0 - SPREAD * SPREAD).sqrt() * (sample.errors.bias_rad_per_s - mean);
-            sample.errors.bias_rad_per_s = towards + SPREAD * sigma * normal;
+        self.keep_apart(&|errors| &mut errors.bias_rad_per_s);
+        for mount in 0..Mounted::ALL.len() {
+            (0..3).for_each(|axis| self.keep_apart(&|errors| &mut errors.mounts[mount][axis]));
         }
         self.draw_new_errors();
+    }
+
+    /// Spreads a constant of samples that have been drawn anew.
+    fn keep_apart(&mut self, constant: &dyn Fn(&mut Errors) -> &mut f64) {
+        let n_samples = self.samples.len() as f64;
+        let values: Vec<f64> = self.samples.iter_mut().map(|sample| *constant(&mut sample.errors)).collect();
+        let mean = values.iter().sum::<f64>() / n_samples;
+        let sigma = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n_samples).sqrt();
+        if sigma == 0.0 {
+            return;
+        }
+        for sample in &mut self.samples {
+            let normal: f64 = StandardNormal.sample(&mut self.rng);
+            let value = constant(&mut sample.errors);
+            *value = mean + (1.0 - SPREAD * SPREAD).sqrt() * (*value - mean) + SPREAD * sigma * normal;
+        }
     }
 
     /// Spreads the poses of samples that have been drawn anew by a kernel of the shape of their covariance.
@@ -197,10 +219,16 @@ impl Cloud {
 }
 
 /// Errors of the motion of a sample of which nothing is known yet.
-fn drawn(rng: &mut ChaCha8Rng, bias_sigma_rad_per_s: f64) -> Errors {
+fn drawn(rng: &mut ChaCha8Rng, constants: &Constants) -> Errors {
     let normal: f64 = StandardNormal.sample(rng);
     Errors {
-        bias_rad_per_s: bias_sigma_rad_per_s * normal,
+        bias_rad_per_s: constants.bias_rad_per_s * normal,
+        mounts: constants.mounts.map(|sigma| {
+            sigma.map(|sigma| {
+                let normal: f64 = StandardNormal.sample(rng);
+                sigma * normal
+            })
+        }),
         lasting: [0; N_LASTING].map(|_| StandardNormal.sample(rng)),
         new: [0; 3].map(|_| StandardNormal.sample(rng)),
     }

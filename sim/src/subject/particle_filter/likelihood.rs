@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use localizer::map::TileGrid;
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::subject::{
-    cues::{Edge, Joint, Mount, Seen, heading_of, turned, within_quarter},
+    cues::{Edge, Joint, Seen, heading_of, turned, within_quarter},
     half_turn,
 };
 
@@ -26,19 +26,15 @@ pub(crate) struct Known<'a> {
 /// A function that gives the logarithm of a measurement's likelihood from a pose; `None` for a measurement that tells nothing. `mean_rad` is the mean
 /// heading of the poses that it is asked for.
 ///
-/// The errors of a mount, which last, count as noise: a filter whose samples are poses alone cannot learn them.
+/// The poses are those at which the device would be seen to be if it were mounted as stated: a pose with the errors of the mount added.
 pub(crate) fn likelihood<'a>(
     seen: &'a Seen,
-    mount: Mount,
     known: &'a Known<'a>,
     mean_rad: f64,
 ) -> Option<Box<dyn Fn([f64; 3]) -> f64 + 'a>> {
-    let mount_m = mount.sigma[0].hypot(mount.sigma[1]) / std::f64::consts::SQRT_2;
     match seen {
         Seen::Pose { pose, covariance } => {
-            let mount =
-                Matrix3::from_diagonal(&Vector3::new(mount_m, mount_m, mount.sigma[2]).map(|sigma| sigma * sigma));
-            let covariance = (covariance + mount) * known.scale.powi(2);
+            let covariance = covariance * known.scale.powi(2);
             let (inverse, determinant) = (covariance.try_inverse()?, covariance.determinant());
             let peak = ((2.0 * PI).powi(3) * determinant).sqrt().recip();
             let anywhere = (known.area_m2 * 2.0 * PI).recip();
@@ -52,18 +48,14 @@ pub(crate) fn likelihood<'a>(
             // The joints of one image share most of their errors. Together they count as one joint of each of the two families.
             let weight = 2.0_f64.min(joints.len() as f64) / joints.len() as f64;
             Some(Box::new(move |at| {
-                weight
-                    * joints
-                        .iter()
-                        .map(|joint| of_joint(joint, at, grid, mount_m, mount.sigma[2], known.scale))
-                        .sum::<f64>()
+                weight * joints.iter().map(|joint| of_joint(joint, at, grid, known.scale)).sum::<f64>()
             }))
         }
-        Seen::Edges(edges) => of_edges(edges, mount.sigma[2], known, mean_rad),
+        Seen::Edges(edges) => of_edges(edges, known, mean_rad),
         // Landmarks are on no map, and a filter over poses alone keeps none.
         Seen::Landmarks(_) => None,
         Seen::Position { in_robot_m, in_world_m, sigma_m } => {
-            let variance = (sigma_m.powi(2) + mount_m.powi(2)) * known.scale.powi(2);
+            let variance = (sigma_m * known.scale).powi(2);
             let covariance = Matrix2::from_diagonal_element(variance);
             let (inverse, peak) = (covariance.try_inverse()?, (2.0 * PI * variance).recip());
             Some(Box::new(move |at| {
@@ -75,9 +67,9 @@ pub(crate) fn likelihood<'a>(
     }
 }
 
-fn of_joint(joint: &Joint, at: [f64; 3], grid: &TileGrid, mount_m: f64, mount_rad: f64, scale: f64) -> f64 {
+fn of_joint(joint: &Joint, at: [f64; 3], grid: &TileGrid, scale: f64) -> f64 {
     let agreement = joint.agreement(at, grid);
-    let sigma = [joint.sigma[0].hypot(mount_rad), joint.sigma[1].hypot(mount_m)].map(|sigma| sigma * scale);
+    let sigma = joint.sigma.map(|sigma| sigma * scale);
     let off = [agreement.turn_rad, agreement.off_m];
     let anywhere = [FRAC_PI_2, 2.0 * agreement.half_edge_m];
     // A joint that is far from where a pose has one still tells that pose's heading.
@@ -88,15 +80,10 @@ fn of_joint(joint: &Joint, at: [f64; 3], grid: &TileGrid, mount_m: f64, mount_ra
     of_side(0) + of_side(1)
 }
 
-fn of_edges<'a>(
-    edges: &[Edge],
-    mount_rad: f64,
-    known: &Known<'a>,
-    mean_rad: f64,
-) -> Option<Box<dyn Fn([f64; 3]) -> f64 + 'a>> {
+fn of_edges<'a>(edges: &[Edge], known: &Known<'a>, mean_rad: f64) -> Option<Box<dyn Fn([f64; 3]) -> f64 + 'a>> {
     // Wherever the samples are, all edges count that are not clutter at sight, so that samples that are all wrong do not keep themselves.
     let (off_rad, variance) = heading_of(edges, known.wall_directions_rad, mean_rad, f64::INFINITY)?;
-    let (told_rad, sigma_rad) = (mean_rad + off_rad, known.scale * variance.sqrt().hypot(mount_rad));
+    let (told_rad, sigma_rad) = (mean_rad + off_rad, known.scale * variance.sqrt());
     let peak = ((2.0 * PI).sqrt() * sigma_rad).recip();
     Some(Box::new(move |at| {
         let off = within_quarter(told_rad - at[2]) / sigma_rad;

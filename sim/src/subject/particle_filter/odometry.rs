@@ -6,7 +6,7 @@ use localizer::RobotModel;
 
 use crate::subject::{
     Tuning,
-    cues::{LASTS_M, SIGMAS_OF_BOUND, Step, turned},
+    cues::{LASTS_M, Mounted, SIGMAS_OF_BOUND, Step, turned},
 };
 
 /// Dead reckoning over the last moments.
@@ -51,9 +51,11 @@ const DIRECTION: usize = 2;
 const FLOW_SCALE: usize = 3;
 const GYRO_SCALE: usize = 4;
 
-/// The errors of the motion of one sample.
+/// The errors of the sensors of one sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Errors {
+    /// Errors of the mounts of the devices of [`Mounted::ALL`]: forward and left in metres, and the yaw. They are the same all the time.
+    pub(crate) mounts: [[f64; 3]; Mounted::ALL.len()],
     /// Bias of the gyroscope less the nominal one.
     pub(crate) bias_rad_per_s: f64,
     /// Errors that last, each in its standard deviations.

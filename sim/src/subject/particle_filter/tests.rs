@@ -2,7 +2,7 @@ use interval::Interval;
 use nalgebra::Matrix3;
 
 use super::{
-    super::{cues::Mount, mean_of},
+    super::mean_of,
     resampling::{N_SAMPLES, low_variance, n_by_kld},
     *,
 };
@@ -11,7 +11,8 @@ use super::{
 fn start() -> Cloud {
     let mut cloud = Cloud::new(stream(1, "a cloud"));
     let side = Interval::centred(0.0, 0.5);
-    cloud.draw_start(&PoseBox::from([side, side, Interval::centred(0.0, 0.3)]), 0.01);
+    let constants = Constants { bias_rad_per_s: 0.01, ..Constants::default() };
+    cloud.draw_start(&PoseBox::from([side, side, Interval::centred(0.0, 0.3)]), &constants);
     cloud
 }
 
@@ -50,21 +51,20 @@ fn a_position_to_the_millimetre_leaves_many_samples_that_are_spread_as_it_says()
 fn dense() -> Cloud {
     let mut cloud = Cloud::new(stream(2, "a cloud"));
     let side = Interval::centred(0.0, 0.03);
-    cloud.draw_start(&PoseBox::from([side; 3]), 0.0);
+    cloud.draw_start(&PoseBox::from([side; 3]), &Constants::default());
     cloud
 }
 
 #[test]
 fn a_measurement_far_off_is_as_likely_from_anywhere_and_moves_no_sample() {
     let known = Known { tiles: None, wall_directions_rad: &[], area_m2: 96.0, scale: 1.0 };
-    let exact = Mount { sigma: [0.0; 3] };
     let position = Seen::Position { in_robot_m: [0.0; 2], in_world_m: [0.2, 0.0], sigma_m: 0.01 };
     let covariance = Matrix3::from_diagonal_element(1e-4);
     let marker = Seen::Pose { pose: [0.2, 0.0, 0.0], covariance };
     // A share of 0.05 of the measurements is wrong: anywhere in 96 m², and a pose turned in any way. 10 and 20 standard deviations off a right one
     // has at most e^−50 of its peak.
     for (seen, anywhere) in [(&position, 96.0), (&marker, 96.0 * 2.0 * PI)] {
-        let likelihood = likelihood(seen, exact, &known, 0.0).unwrap();
+        let likelihood = likelihood(seen, &known, 0.0).unwrap();
         for x_m in [0.1, 0.0] {
             let log = likelihood([x_m, 0.0, 0.0]);
             assert!((log - (0.05 / anywhere).ln()).abs() < 1e-9, "{log} at {x_m} m");
@@ -157,6 +157,21 @@ fn slip_that_lasts_is_learnt_from_positions_and_is_known_after_them() {
     // The wheels rolled 0.3 m, the robot went farther by their slip. Filters that take slip for noise would have learnt nothing of it.
     let learnt = (gone_m / 0.3 - 1.0) / (share - 1.0);
     assert!((0.25..1.2).contains(&learnt), "{learnt} of the slip");
+}
+
+#[test]
+fn the_error_of_a_mount_is_learnt_where_the_pose_is_known() {
+    let mut filter = filter();
+    filter.constants.mounts[Mounted::Antenna as usize] = [0.05, 0.05, 0.0];
+    // The robot is known to stand within 3 mm of (2, 2) and to look along x; its antenna is seen a decimetre ahead of where it should be.
+    let side = |middle: f64| Interval::centred(middle, 0.003);
+    filter.begin(&PoseBox::from([side(2.0), side(2.0), side(0.0)]));
+    (0..5).for_each(|_| filter.weigh(0.0, Mounted::Antenna, &position(2.1, 2.0, 0.002)));
+    let pose = mean_at(&filter, 0.0);
+    assert!((pose.x_m - 2.0).abs() < 0.005 && (pose.y_m - 2.0).abs() < 0.005, "{pose:?}");
+    let mount =
+        [0, 1].map(|axis| filter.cloud.mean_of(&|sample| sample.errors.mounts[Mounted::Antenna as usize][axis]));
+    assert!((mount[0] - 0.1).abs() < 0.01 && mount[1].abs() < 0.01, "{mount:?}");
 }
 
 #[test]
