@@ -83,6 +83,8 @@ falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
 	WHEREIN_PROGRAMS=100000 cargo test -p wherein-interval --lib -- --nocapture solver
+	WHEREIN_ROWS=167 cargo test -p wherein-localizer --lib -- --nocapture graph::sighting graph::flow graph::way graph::link
+	WHEREIN_ROWS=500 cargo test -p wherein-localizer --lib -- --nocapture relate
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
 	WHEREIN_FEATURE_PAIRS=60 cargo test -p wherein-localizer --lib -- --nocapture point_features
 

@@ -143,61 +143,84 @@ impl Read {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use interval::Interval;
 
     use super::*;
-    use crate::bounds;
-    use crate::graph::trial::{Draw, Drive, flow, reach, rounds, wheels};
+    use crate::graph::trial::{DOMAINS_OF_A_WAY, Draw, Drive, domains, flow, reach, rounds, wheels};
+    use crate::{bounds, motion::WheelHistory};
 
     #[test]
     fn the_true_way_satisfies_the_rows_of_two_ways_joined() {
         let mut draw = Draw::new(20_261_126);
         for round in 0..rounds(900) {
             let drive = Drive::short(&mut draw, round % 2 == 0);
-            let (history, stamps_s) = (drive.history(true), &drive.stamps_s);
-            let (mut domain, truth) = drive.domain(&mut draw);
-            let links = [0, 1].map(|at| {
-                let span_s = [stamps_s[at], stamps_s[at + 1]];
-                let heading = domain.value(Variable::Pose(at, 2));
-                let flow_way = history.flow_way(span_s[0], span_s[1], heading, &wheels(), &reach());
-                let way = history.way(span_s[0], span_s[1], &wheels(), &reach());
-                // By both, by the flow sensor alone, or by one in the first way and by the other in the second one.
-                let (has_way, has_flow) = [(true, true), (false, true), (at == 0, at == 1)][round % 3];
-                Link::Read(Read {
-                    way: way.filter(|_| has_way),
-                    flow: flow_way.filter(|_| has_flow),
-                    shares_error: true,
-                    scale_change: flow().scale_change,
-                })
-            });
-            let error = Interval::centred(0.0, 2e-3);
-            for frame in 0..3 {
-                (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), error));
-            }
-            let scale_m =
-                |link: &Link| link.read().and_then(|read| read.flow.as_ref()).map_or(0.0, |flow| flow.scale_error_m[0]);
-            let scales_m = scale_m(&links[0]) + scale_m(&links[1]);
-            let joined = links[0].join(&links[1], [0, 1, 2], &domain).unwrap();
-            let rows = joined.rows([0, 2], &domain);
-            assert_eq!(rows.len(), if round % 3 == 1 { 3 } else { 5 });
-            // Along x the parts of a varying scale of both ways add up.
-            let part = rows[0].parts.iter().find(|(bound, _)| *bound == bounds::FLOW_SCALE).map_or(0.0, |part| part.1);
-            assert!((part - scales_m).abs() < 1e-12, "round {round}: {part} of {scales_m}");
-            for (idx, row) in rows.iter().enumerate() {
-                assert!(row.named_half() <= row.sides.radius() * (1.0 + 1e-9), "{row:?}");
-                assert!(row.terms.iter().all(|&(variable, _)| variable.frame() != Some(1)), "{row:?}");
-                let mut sides = row.sides.inflate(1e-7);
-                let value = row.value_at(|variable| match variable {
-                    Variable::FlowPlace(..) => 0.0,
-                    _ => truth[&variable] - domain.reference(variable),
-                });
-                for &(variable, coefficient) in &row.terms {
-                    if let Variable::FlowPlace(..) = variable {
-                        sides -= error * coefficient;
-                    }
+            let history = drive.history(true);
+            let mut links = Vec::new();
+            for nth in 0..domains() {
+                let (mut domain, truth) = drive.domain(&mut draw);
+                if nth % DOMAINS_OF_A_WAY == 0 {
+                    // By both, by the flow sensor alone, or by one in the first way and by the other in the second one.
+                    let by_wheels_by_flow =
+                        [[(true, true); 2], [(false, true); 2], [(true, false), (false, true)]][round % 3];
+                    links = both_links(&drive, &history, &domain, by_wheels_by_flow);
                 }
-                assert!(sides.contains(value), "round {round}, row {idx}: {value}, {sides}");
+                assert_satisfied(&links, if round % 3 == 1 { 3 } else { 5 }, &mut domain, &truth);
             }
+        }
+    }
+
+    /// The links between the three key frames of a drive: for each whether it is by wheels, and whether by the flow sensor.
+    fn both_links(
+        drive: &Drive,
+        history: &WheelHistory,
+        domain: &Domain,
+        by_wheels_by_flow: [(bool, bool); 2],
+    ) -> Vec<Link> {
+        let link = |at: usize| {
+            let [from_s, to_s] = [drive.stamps_s[at], drive.stamps_s[at + 1]];
+            let heading = domain.value(Variable::Pose(at, 2));
+            let (has_way, has_flow) = by_wheels_by_flow[at];
+            Link::Read(Read {
+                way: history.way(from_s, to_s, &wheels(), &reach()).filter(|_| has_way),
+                flow: history.flow_way(from_s, to_s, heading, &wheels(), &reach()).filter(|_| has_flow),
+                shares_error: true,
+                scale_change: flow().scale_change,
+            })
+        };
+        vec![link(0), link(1)]
+    }
+
+    /// Checks that the true values satisfy the rows of both links joined, with some errors of the flow sensor's place.
+    fn assert_satisfied(links: &[Link], n_rows: usize, domain: &mut Domain, truth: &BTreeMap<Variable, f64>) {
+        let error = Interval::centred(0.0, 2e-3);
+        for frame in 0..3 {
+            (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), error));
+        }
+        let scale_m =
+            |link: &Link| link.read().and_then(|read| read.flow.as_ref()).map_or(0.0, |flow| flow.scale_error_m[0]);
+        let scales_m = scale_m(&links[0]) + scale_m(&links[1]);
+        let joined = links[0].join(&links[1], [0, 1, 2], domain).unwrap();
+        let rows = joined.rows([0, 2], domain);
+        assert_eq!(rows.len(), n_rows);
+        // Along x the parts of a varying scale of both ways add up.
+        let part = rows[0].parts.iter().find(|(bound, _)| *bound == bounds::FLOW_SCALE).map_or(0.0, |part| part.1);
+        assert!((part - scales_m).abs() < 1e-12, "{part} of {scales_m}");
+        for (idx, row) in rows.iter().enumerate() {
+            assert!(row.named_half() <= row.sides.radius() * (1.0 + 1e-9), "{row:?}");
+            assert!(row.terms.iter().all(|&(variable, _)| variable.frame() != Some(1)), "{row:?}");
+            let mut sides = row.sides.inflate(1e-7);
+            let value = row.value_at(|variable| match variable {
+                Variable::FlowPlace(..) => 0.0,
+                _ => truth[&variable] - domain.reference(variable),
+            });
+            for &(variable, coefficient) in &row.terms {
+                if let Variable::FlowPlace(..) = variable {
+                    sides -= error * coefficient;
+                }
+            }
+            assert!(sides.contains(value), "row {idx}: {value}, {sides}");
         }
     }
 }

@@ -17,6 +17,15 @@ pub(crate) fn rounds(usual: usize) -> usize {
     usual * std::env::var("WHEREIN_ROWS").ok().and_then(|times| times.parse().ok()).unwrap_or(1)
 }
 
+/// Number of domains in which the rows of one drive are made, each with other widths and references of the poses: one, or where more rounds are asked
+/// for, a hundred. To integrate a drive takes a hundred times as long as to make its rows.
+pub(super) fn domains() -> usize {
+    if rounds(1) > 1 { 100 } else { 1 }
+}
+
+/// Number of domains in which the same ways are used: a way by the flow sensor depends on what was known of the heading when it was computed.
+pub(super) const DOMAINS_OF_A_WAY: usize = 10;
+
 /// A generator of numbers that prefers the ends of intervals.
 pub(crate) struct Draw(u64);
 
@@ -258,7 +267,16 @@ impl Drive {
             }
         }
         let bounds = RobotBounds::new(self.has_angle);
-        self.constants.iter().for_each(|(&constant, &at)| put(Variable::Constant(constant), bounds.of(constant), at));
+        for (&constant, &at) in &self.constants {
+            // One time in two the constant is known better by now than when the readings were summed up.
+            let (declared, share) = (bounds.of(constant), draw.unit());
+            let known = if draw.unit() < 0.5 {
+                declared
+            } else {
+                declared.intersect(Interval::centred(at, share * declared.width()))
+            };
+            put(Variable::Constant(constant), known, at);
+        }
         (domain, truth)
     }
 }

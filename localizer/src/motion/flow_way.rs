@@ -36,6 +36,9 @@ pub struct FlowWay {
     pub span_s: f64,
     /// What the gyroscope tells of the turn.
     pub gyro: GyroTurn,
+    /// The middle of the gyroscope's scale with which the turns of this way were computed. By the time at which a row is made of the way, the scale may
+    /// be known better.
+    pub middle_scale: f64,
     /// Ψ: the turn between the stamps by the gyroscope, with the middles of its bias and scale.
     pub turn_rad: f64,
     /// Σ R(ψ)·Δc: the counts of all readings, forward and left, turned into the robot frame at the first stamp but for the mount's yaw.
@@ -103,6 +106,7 @@ impl FlowHistory {
             way: FlowWay {
                 span_s: span_s[1] - span_s[0],
                 gyro: gyro.turn_read(span_s[0], span_s[1], change_rad_per_s2)?,
+                middle_scale: gyro.middle_scale(),
                 turn_rad,
                 counts: [0.0; 2],
                 late_counts: [0.0; 2],

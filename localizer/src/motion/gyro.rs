@@ -181,6 +181,11 @@ impl GyroHistory {
         Some(steps)
     }
 
+    /// The middle of what is known of the scale, by which nominal turns are divided.
+    pub(super) fn middle_scale(&self) -> f64 {
+        self.model.scale.mid()
+    }
+
     /// Turns by the gyroscope from `from_s` to one later stamp after the other, each as [`turn`](Self::turn) gives it, in one pass over the
     /// readings.
     pub fn turns_from(&self, from_s: f64, change_rad_per_s2: f64) -> TurnsFrom<'_> {
