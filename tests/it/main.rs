@@ -3,6 +3,8 @@
 
 /// Helpers that run the `wherein` command in temporary folders, each test in its own.
 mod command;
+/// Tests of `wherein check`, which looks at a scene before it is run.
+mod scene_check;
 /// Tests of `wherein judge`, which compares estimates of any program with a recording.
 mod judged_estimates;
 /// Helper that runs the judge on a run that a test has made.

@@ -14,6 +14,7 @@ use crate::{
     scene::{keys_markdown, schema_text},
 };
 
+mod check;
 mod compare;
 mod conclude;
 mod error;
@@ -60,6 +61,7 @@ Examples:
   wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
                                                                   every value with twenty seeds, and a report
   wherein falsify --minutes 10                                    a search for random scenes that fail
+  wherein check scenes/x.toml                                     what the cameras would show, before the scene is run
   wherein weaken scenes/x.toml --set robot.errors=corner          how tight the scene's bounds are
   wherein sharpness renders/x/0                                   how much wider its boxes are than they must be
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from that pose
@@ -79,6 +81,8 @@ Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not
 enum Command {
     /// Runs scenes with the localizer and records the results.
     Run(run::RunArguments),
+    /// Takes pictures along a scene's way and tells what the localizer's methods would see in them, before the scene is run.
+    Check(check::CheckArguments),
     /// Gives the localizer ever narrower bounds until it loses the truth, to show how tight the declared bounds are.
     Weaken(weaken::WeakenArguments),
     /// Compares the boxes of a run with witnesses: histories other than the truth that keep every bound on the run's readings.
@@ -149,6 +153,7 @@ pub fn main() -> ExitCode {
     let adapter = adapter.as_deref();
     let outcome = match command {
         Command::Run(arguments) => run::run_scenes(&arguments, adapter),
+        Command::Check(arguments) => check::check_scene(&arguments, adapter),
         Command::Weaken(arguments) => weaken::weaken_scenes(&arguments, adapter),
         Command::Sharpness(arguments) => sharpness::sharpness(&arguments, adapter),
         Command::Sweep(arguments) => sweep::sweep(&arguments, adapter),

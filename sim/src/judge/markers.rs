@@ -70,6 +70,11 @@ impl Sight {
         marker.dots.iter().any(|dot| self.pixel(&dot.centre_in_world).is_some_and(is_within))
     }
 
+    /// Markers of the map that are wholly in the picture and not hidden by furniture.
+    fn wholly_shown(&self, scene: &Scene, drawn: &Drawn, obstacles: &Obstacles) -> Vec<MarkerId> {
+        on_map(scene, drawn).filter(|marker| self.shows(marker, obstacles)).map(|marker| marker.id).collect()
+    }
+
     /// Whether the marker's whole grid, empty places included, is in the picture, with a margin of the dots' radius and three pixels for
     /// soft edges, and no furniture hides it. People may stand in front of it.
     fn shows(&self, marker: &DrawnMarker, obstacles: &Obstacles) -> bool {
@@ -94,6 +99,11 @@ impl Sight {
             self.pixel(&corner).is_some_and(is_within) && obstacles.leave_free(eye, rim, &[])
         })
     }
+}
+
+/// Markers of the map that the true ceiling camera shows wholly, and not hidden by furniture, at a true state of the robot; none without such a camera.
+pub(crate) fn wholly_in_view(scene: &Scene, drawn: &Drawn, truth: &Truth, obstacles: &Obstacles) -> Vec<MarkerId> {
+    Sight::new(scene, drawn, truth).map_or_else(Vec::new, |sight| sight.wholly_shown(scene, drawn, obstacles))
 }
 
 /// Whether a marker of the map with this identity truly has each of the claimed dots within its bound of the claimed pixel.
@@ -191,9 +201,8 @@ impl MarkerCounts {
         obstacles: &Obstacles,
     ) {
         let claimed: Vec<MarkerId> = claims(image).map(|(id, _)| id).collect();
-        let shown: Vec<&DrawnMarker> =
-            on_map(scene, &record.drawn).filter(|marker| sight.shows(marker, obstacles)).collect();
-        let read = shown.iter().filter(|marker| claimed.contains(&marker.id)).count();
+        let shown = sight.wholly_shown(scene, &record.drawn, obstacles);
+        let read = shown.iter().filter(|id| claimed.contains(id)).count();
         self.images += 1;
         self.images_with_marker += usize::from(!shown.is_empty());
         self.images_read += usize::from(read > 0);

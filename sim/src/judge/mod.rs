@@ -21,6 +21,7 @@ pub use claims::{is_true, wall_line_deg};
 pub use distribution::{corridor, of_steps as judge_distributions};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use expectations::metric_names;
+pub(crate) use markers::wholly_in_view;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
 pub(crate) use statistics::{SETTLED_S, errors, fix_width, midpoint};

@@ -10,7 +10,7 @@
 //! further [`View`], a further kind of surface as a further pass onto the same plate.
 
 use image::GrayImage;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector2};
 use thiserror::Error;
 
 use crate::{
@@ -102,6 +102,12 @@ impl RenderedWorld {
     /// uploaded.
     pub fn illuminance_at_floor_lux(&self) -> Option<f64> {
         self.lamps_at_floor_lux
+    }
+
+    /// Illuminance at a place of the floor by the scene's lamps, of which photons of any wavelength count like those at 555 nm; `None` where
+    /// [`illuminance_at_floor_lux`](Self::illuminance_at_floor_lux) is.
+    pub fn illuminance_at_lux(&self, place_m: [f64; 2]) -> Option<f64> {
+        Some(self.lamps_at_floor_lux? * self.floor.lamplight.as_ref()?.at(Vector2::from(place_m)))
     }
 
     /// Sets where people are at the end of the exposure of the next pictures; during the exposure they walk there. Their shadows are computed

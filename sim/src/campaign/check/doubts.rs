@@ -1,0 +1,98 @@
+//! What the pictures of a scene's way show that is perhaps not as its author meant it, in sentences.
+
+use crate::scene::Scene;
+
+use super::{CameraCheck, MethodCheck, SceneCheck, significant};
+
+/// At least at this share of the places some method should learn something.
+const LEAST_PLACES: f64 = 0.5;
+/// Of markers that are wholly in view, at least this share should be read.
+const LEAST_READ: f64 = 0.9;
+/// Mean grey level below which a picture may be too dark for a method.
+const DARK_GREY: f64 = 20.0;
+/// Share of white pixels beyond which a picture is overexposed.
+const MOST_WHITE: f64 = 0.05;
+
+/// All doubts about the scene: those that need no pictures, and those by the pictures of each camera.
+pub(super) fn of(scene: &Scene, found: &SceneCheck) -> Vec<String> {
+    let mut doubts = scene.remarks();
+    for camera in &found.cameras {
+        doubts.extend(overexposed(camera));
+        doubts.extend(markers(camera));
+        doubts.extend(camera.methods.iter().filter_map(|method| never(camera, method)));
+        doubts.extend(camera.methods.iter().filter_map(|method| claims(camera, method)));
+    }
+    doubts.extend(places(found));
+    doubts
+}
+
+fn overexposed(camera: &CameraCheck) -> Option<String> {
+    (camera.white_share_max > MOST_WHITE).then(|| {
+        format!(
+            "`robot.{}_camera`: up to {:.0} % of a picture is white; expected at most {:.0} %, by a shorter exposure or less light",
+            camera.camera,
+            100.0 * camera.white_share_max,
+            100.0 * MOST_WHITE
+        )
+    })
+}
+
+fn markers(camera: &CameraCheck) -> Option<String> {
+    let (in_view, read) = (camera.markers_in_view?, camera.markers_read?);
+    ((read as f64) < LEAST_READ * in_view as f64).then(|| {
+        format!(
+            "`robot.{}_camera`: {read} of {in_view} markers in view are read; expected at least {:.0} %, by another exposure, a \
+             sharper lens, larger images, or a lower ceiling",
+            camera.camera,
+            100.0 * LEAST_READ
+        )
+    })
+}
+
+fn never(camera: &CameraCheck, method: &MethodCheck) -> Option<String> {
+    (method.constraints == 0 && method.pictures > 0).then(|| {
+        // A dark picture is a reason that its author can mend.
+        let dark = if camera.mean_grey[1] < DARK_GREY {
+            format!(
+                ", whose mean grey level is at most {:.0} in 255 with exposures of up to {} ms",
+                camera.mean_grey[1],
+                significant(1e3 * camera.exposure_s[1])
+            )
+        } else {
+            String::new()
+        };
+        format!(
+            "`localizer.methods`: `{}` learns nothing about the pose from any of {} pictures of the {} camera{dark}; expected it to, or to be left out",
+            method.method, method.pictures, camera.camera
+        )
+    })
+}
+
+fn claims(camera: &CameraCheck, method: &MethodCheck) -> Option<String> {
+    (method.beyond_quota > 0).then(|| {
+        format!(
+            "`localizer.methods`: in {} of {} pictures of the {} camera `{}` makes more false claims than its quota allows; expected none, as long as \
+             all declared bounds hold",
+            method.beyond_quota, method.pictures, camera.camera, method.method
+        )
+    })
+}
+
+fn places(found: &SceneCheck) -> Option<String> {
+    // Where the scene has methods that read something else, those may tell of the pose.
+    let any_reads = found.cameras.iter().any(|camera| !camera.methods.is_empty());
+    let few = (found.places_with_constraint as f64) < LEAST_PLACES * found.n_places as f64;
+    (any_reads && few).then(|| {
+        let of_markers = |camera: &CameraCheck| {
+            let with_marker = camera.pictures_with_marker.filter(|&with_marker| with_marker < found.n_places)?;
+            Some(format!(" (a whole marker is in view at {with_marker}; `[markers.layout]` lays out enough of them)"))
+        };
+        let reason = found.cameras.iter().find_map(of_markers).unwrap_or_default();
+        format!(
+            "`localizer.methods`: at {} of {} places some method learns something about the pose from a picture{reason}; expected at least {:.0} %",
+            found.places_with_constraint,
+            found.n_places,
+            100.0 * LEAST_PLACES
+        )
+    })
+}
