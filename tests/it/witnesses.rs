@@ -59,3 +59,19 @@ fn witnesses_under_markers_lie_in_boxes_that_are_little_wider() {
     scene.robot.errors = Distribution::Corner;
     demand_witnesses(&sharpness(&scene, 2), 2.5);
 }
+
+#[test]
+fn what_makes_most_of_a_width_is_told_with_the_witnesses() {
+    // Landmarks, wheels and a gyroscope relate key frames from the second second on.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/papers/rigid_transform_loop.toml");
+    let scene = SceneTemplate::load(&path).unwrap().with(&["duration_s=9".parse().unwrap()]).unwrap().scene;
+    let found = sharpness(&scene, 2);
+    let told: Vec<_> = found.instants.iter().filter_map(|instant| instant.dominant[0].as_ref()).collect();
+    let by_bounds: Vec<_> = told.iter().filter_map(|dominant| Some((dominant, dominant.bound?))).collect();
+    assert!(2 * by_bounds.len() > found.instants.len(), "{found:?}");
+    for (dominant, bound) in by_bounds {
+        assert!(["wheels.", "range_camera.", "gyro."].iter().any(|of| bound.starts_with(of)), "{dominant:?}");
+        // What is saved because both ends follow from different readings is less than half.
+        assert!(dominant.part > 0.0 && dominant.part + dominant.boxes < 1.5 * dominant.width, "{dominant:?}");
+    }
+}

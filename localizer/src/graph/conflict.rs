@@ -46,7 +46,8 @@ pub struct Conflict {
     pub bounds: Vec<Assumption>,
     /// The readings that contradict each other.
     pub readings: Vec<Readings>,
-    /// Factor by which another bound would have to be exceeded if all named bounds were true. `None` where more bounds than can be named contradict
+    /// Factor by which another bound that the search can widen would have to be exceeded if all named bounds were true. Displacements by errors of
+    /// stamps, landmarks and the start have no bound that it could widen. `None` where more bounds than can be named contradict
     /// each other with any factor, so that the named ones are only the most doubtful of them.
     pub factor: Option<f64>,
 }

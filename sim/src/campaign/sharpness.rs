@@ -92,6 +92,21 @@ pub struct Instant {
     pub in_box: bool,
     /// Where no witness was found: the bound that the truth or the last candidate broke.
     pub broken: Option<String>,
+    /// Along each axis what makes most of the width at the latest key frame of the graph; `None` before the first one.
+    pub dominant: [Option<Dominant>; 3],
+}
+
+/// The declared bound that makes most of a width: the one to calibrate next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dominant {
+    /// Name of the bound; `None` where the width comes from boxes alone.
+    pub bound: Option<&'static str>,
+    /// The part of the width that the bound makes, in the unit of the width; 0 without a bound.
+    pub part: f64,
+    /// The part that the boxes of poses and landmarks make, which come from many bounds.
+    pub boxes: f64,
+    /// The width at the key frame, before it is intersected with what other readings tell.
+    pub width: f64,
 }
 
 impl Instant {
@@ -179,7 +194,9 @@ pub fn measure(
     for time_s in instants_s(last_s.min(scene.duration_s)) {
         let at = record.estimates.partition_point(|estimate| estimate.time_s < time_s - 0.005);
         let Some(estimate) = record.estimates.get(at) else { break };
-        instants.push(at_instant(&readings, estimate, record.truths[at].time_s));
+        let mut instant = at_instant(&readings, estimate, record.truths[at].time_s);
+        instant.dominant = dominant(record, instant.time_s);
+        instants.push(instant);
         progress(instants.len());
     }
     Ok(Sharpness { instants })
@@ -195,10 +212,22 @@ pub fn refuse_unsupported(scene: &Scene, name: &str) -> Result<(), SharpnessErro
     }
 }
 
+/// What makes most of the width along each axis at the latest key frame before a time.
+fn dominant(record: &RunRecord, time_s: f64) -> [Option<Dominant>; 3] {
+    let known = record.widths.partition_point(|width| width.stamp_s <= time_s);
+    let Some(width) = known.checked_sub(1).map(|at| &record.widths[at]) else { return [const { None }; 3] };
+    [&width.x_m, &width.y_m, &width.heading_rad].map(|parts| {
+        let greatest = parts.greatest();
+        let (bound, part) = (greatest.map(|(bound, _)| bound), greatest.map_or(0.0, |(_, part)| part));
+        Some(Dominant { bound, part, boxes: parts.by_boxes, width: parts.width() })
+    })
+}
+
 fn at_instant(readings: &Readings, estimate: &Estimate, time_s: f64) -> Instant {
     let hull = estimate.pose.hull();
     let width = [0, 1, 2].map(|axis| hull[axis].width());
-    let mut instant = Instant { time_s, width, spanned: [0.0; 3], in_box: true, broken: None };
+    let mut instant =
+        Instant { time_s, width, spanned: [0.0; 3], in_box: true, broken: None, dominant: [const { None }; 3] };
     let Some((truth, kinds)) = readings.until(time_s) else {
         instant.broken = Some("no reading".to_owned());
         return instant;

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::{
     artefacts::run_files,
-    campaign::sharpness::{AXES, ReadingLog, Sharpness, instants_s, measure, refuse_unsupported},
+    campaign::sharpness::{AXES, Dominant, ReadingLog, Sharpness, instants_s, measure, refuse_unsupported},
     loading::{SceneFile, SceneTemplate, Setting},
     render::Renderer,
     run::{RunOptions, run_witnessed},
@@ -42,7 +42,9 @@ const SHARPNESS_AFTER_HELP: &str = "\
 The run is simulated again. At 20 instants, evenly over its first 200 s at most, the command searches for witnesses: histories of
 robot, landmarks and sensor errors other than the truth that keep every declared bound on the same readings. A guaranteed box has
 to contain them all. The table shows the width of the box, the distance of the outermost witnesses, and their ratio: 1 for a box
-that cannot be narrower. The search is not complete, so that a ratio is an upper bound of the true one.
+that cannot be narrower. The search is not complete, so that a ratio is an upper bound of the true one. Last comes the declared bound
+that makes most of the width at the latest key frame, with its part of the width that the graph gives there: what to calibrate next.
+Where the boxes of older poses and of landmarks make more than that, their part is told before it.
 Exit code: 0 the sharpness was measured, 2 it could not be.";
 
 /// Measures the sharpness of one run and prints it.
@@ -126,6 +128,7 @@ fn as_json(scene: &str, seed: u64, measured: &Sharpness) -> String {
             "ratio": by_axis(&|axis| instant.ratio(axis).into()),
             "in_box": instant.in_box,
             "broken": instant.broken,
+            "dominant": by_axis(&|axis| json!(instant.dominant[axis])),
         })
     });
     let found = json!({
@@ -141,12 +144,15 @@ fn as_json(scene: &str, seed: u64, measured: &Sharpness) -> String {
 }
 
 fn as_table(measured: &Sharpness) -> String {
-    let mut text = " instant  axis         box     witnesses  ratio\n".to_owned();
+    let mut text = " instant  axis         box     witnesses  ratio  makes most of it\n".to_owned();
     for instant in &measured.instants {
         for axis in 0..3 {
             let [width, spanned] = [instant.width[axis], instant.spanned[axis]].map(|value| shown(axis, value));
             let ratio = instant.ratio(axis).map_or("  none".to_owned(), |ratio| format!("{ratio:6.2}"));
-            text += &format!("{:6.2} s  {:7}  {width}  {spanned}  {ratio}\n", instant.time_s, axis_name(axis));
+            let dominant =
+                instant.dominant[axis].as_ref().map_or(String::new(), |dominant| dominant_text(axis, dominant));
+            text +=
+                &format!("{:6.2} s  {:7}  {width}  {spanned}  {ratio}  {dominant}\n", instant.time_s, axis_name(axis));
         }
         if let Some(broken) = instant.broken.as_ref().filter(|_| !instant.has_pair()) {
             text += &format!("          no witnesses: {broken}\n");
@@ -172,6 +178,14 @@ fn as_table(measured: &Sharpness) -> String {
     text += &format!("\nmedian ratio: {}\n", medians.collect::<Vec<_>>().join(", "));
     text += &format!("witnesses along every axis at {n_found} of {} instants\n", measured.instants.len());
     text
+}
+
+/// The dominating bound with its part, and the boxes with theirs where it is greater.
+fn dominant_text(axis: usize, Dominant { bound, part, boxes, width }: &Dominant) -> String {
+    let [part_text, boxes_text, width_text] = [part, boxes, width].map(|value| shown(axis, *value).trim().to_owned());
+    let by_boxes = (boxes > part).then(|| format!("boxes {boxes_text}, ")).unwrap_or_default();
+    let by_bound = bound.map(|bound| format!("{bound} {part_text}, ")).unwrap_or_default();
+    format!("{by_boxes}{by_bound}of {width_text}")
 }
 
 fn axis_name(axis: usize) -> &'static str {
