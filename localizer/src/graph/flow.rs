@@ -240,42 +240,118 @@ mod tests {
         }
     }
 
+    /// A drive of 2 s at a speed, straight in the first second, and turning at up to 1.5 rad/s in the next: its readings without errors, by a
+    /// gyroscope of the given scale, and the pose at its end.
+    fn straight_then_turning(
+        mut history: WheelHistory,
+        speed_m_per_s: f64,
+        true_scale: f64,
+    ) -> (WheelHistory, [f64; 3]) {
+        let (mut pose, mut counts, mut turned_rad) = ([0.0_f64; 3], 0.0, 0.0);
+        history.push_flow(0.0, [0, 0], 0);
+        for fine in 1..=20_000_u32 {
+            let turn_rad = if fine <= 10_000 { 0.0 } else { 1.5e-4 * (f64::from(fine - 10_000) / 2000.0).min(1.0) };
+            let (middle_rad, way_m) = (pose[2] + 0.5 * turn_rad, 1e-4 * speed_m_per_s);
+            pose = [pose[0] + way_m * middle_rad.cos(), pose[1] + way_m * middle_rad.sin(), pose[2] + turn_rad];
+            counts += 1e6 * way_m;
+            turned_rad += turn_rad;
+            if fine % 100 == 0 {
+                let time_s = 1e-4 * f64::from(fine);
+                history.push_flow(time_s, [(counts + 1e-6) as i64, 0], 0);
+                history.push_rate(time_s, true_scale * turned_rad / 0.01);
+                turned_rad = 0.0;
+            }
+        }
+        (history, pose)
+    }
+
+    /// Adds the poses of two key frames to a domain, exactly, and hardly any error of the flow sensor's place there.
+    fn put_poses(domain: &mut Domain, poses: [[f64; 3]; 2]) {
+        for (frame, pose) in poses.into_iter().enumerate() {
+            (0..3).for_each(|axis| domain.put(Variable::Pose(frame, axis), Interval::point(pose[axis])));
+            (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), Interval::centred(0.0, 1e-6)));
+        }
+    }
+
     #[test]
     fn a_way_that_was_computed_before_the_gyroscopes_scale_was_known_holds_the_truth() {
-        // All is exact but the gyroscope's scale, of which 1 ± 0.003 is declared. The robot drives straight for 1 s and then turns, with sums that are
-        // far from those of a uniform turn.
+        // All is exact but the gyroscope's scale, of which 1 ± 0.003 is declared.
         for (true_scale, known) in [0.9971, 1.0, 1.0029].map(|scale| (scale, 1e-9)).into_iter().chain([(1.002, 1e-3)]) {
             let model = crate::robot::GyroModel { scale: Interval::centred(1.0, 0.003), ..still() };
-            let mut history = WheelHistory::new(60.0).with_gyro(model).with_flow(exactly(1e-6));
-            let (mut pose, mut counts, mut turned_rad) = ([0.0_f64; 3], 0.0, 0.0);
-            history.push_flow(0.0, [0, 0], 0);
-            for fine in 1..=20_000_u32 {
-                let turn_rad = if fine <= 10_000 { 0.0 } else { 1.5e-4 * (f64::from(fine - 10_000) / 2000.0).min(1.0) };
-                let middle_rad = pose[2] + 0.5 * turn_rad;
-                pose = [pose[0] + 5e-5 * middle_rad.cos(), pose[1] + 5e-5 * middle_rad.sin(), pose[2] + turn_rad];
-                counts += 50.0;
-                turned_rad += turn_rad;
-                if fine % 100 == 0 {
-                    let time_s = 1e-4 * f64::from(fine);
-                    history.push_flow(time_s, [(counts + 1e-6) as i64, 0], 0);
-                    history.push_rate(time_s, true_scale * turned_rad / 0.01);
-                    turned_rad = 0.0;
-                }
-            }
+            let history = WheelHistory::new(60.0).with_gyro(model).with_flow(exactly(1e-6));
+            let (history, end) = straight_then_turning(history, 0.5, true_scale);
             let way = history.flow_way(0.0, 2.0, Interval::ZERO, &wheels(), &reach()).unwrap();
             let mut domain = exact_constants(1e-6);
             let scale = Variable::Constant(Constant::GyroScale);
             // The reference is beside the true value, as far as the scale is known.
             domain.put(scale, Interval::centred(true_scale + known, known * (1.0 + 1e-9)));
-            for (frame, pose) in [[0.0; 3], pose].into_iter().enumerate() {
-                (0..3).for_each(|axis| domain.put(Variable::Pose(frame, axis), Interval::point(pose[axis])));
-                (0..2).for_each(|axis| domain.put(Variable::FlowPlace(frame, axis), Interval::centred(0.0, 1e-6)));
-            }
+            put_poses(&mut domain, [[0.0; 3], end]);
             for row in flow_rows(&way, [0, 1], true, 0.0, &domain) {
                 let value = row.value_at(|variable| if variable == scale { -known } else { 0.0 });
                 // By turning within steps of 10 ms and by quantisation the sides are wider than nothing, though not by much.
                 assert!(row.sides.inflate(4e-6).contains(value), "scale {true_scale}: {value} {}", row.sides);
                 assert!(row.sides.radius() < 1e-3, "{}", row.sides);
+            }
+        }
+    }
+
+    #[test]
+    fn what_rows_lose_because_they_are_linear_is_in_their_sides() {
+        let heading = |half: f64| [0, 1].map(|frame| (Variable::Pose(frame, 2), half));
+        let metres = (Variable::Constant(Constant::FlowMetresPerCount), 2e-7);
+        let scale = (Variable::Constant(Constant::GyroScale), 0.2);
+        let [first, last] = heading(0.02);
+        // What is not exact, by its half width. Metres and headings lose their product, a scale the square of its deviation.
+        for vague in [heading(0.1).to_vec(), vec![metres, first, last], vec![scale]] {
+            for corner in 0..1_u32 << vague.len() {
+                let history = WheelHistory::new(60.0).with_gyro(still()).with_flow(exactly(1e-6));
+                let (history, end) = straight_then_turning(history, 0.5, 1.0);
+                let way = history.flow_way(0.0, 2.0, Interval::ZERO, &wheels(), &reach()).unwrap();
+                let mut domain = exact_constants(1e-6);
+                put_poses(&mut domain, [[0.0; 3], end]);
+                let mut deviations = BTreeMap::new();
+                for (nth, &(variable, half)) in vague.iter().enumerate() {
+                    let off = if corner >> nth & 1 == 1 { half } else { -half };
+                    domain.put(variable, Interval::centred(domain.reference(variable) + off, half * (1.0 + 1e-9)));
+                    deviations.insert(variable, -off);
+                }
+                for row in flow_rows(&way, [0, 1], true, 0.0, &domain) {
+                    let value = row.value_at(|variable| deviations.get(&variable).copied().unwrap_or(0.0));
+                    assert!(row.sides.inflate(4e-6).contains(value), "{vague:?}, {corner}: {value} {}", row.sides);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_lever_arm_loses_because_its_row_is_linear_is_in_its_sides() {
+        // The robot drives an arc about the flow sensor, 0.3 m to its left, which stays where it is and counts nothing. Both headings are known to
+        // ± 0.2 rad, and true at their ends: to take an arc for its tangent makes 0.3 m · 0.2²/2 = 6 mm.
+        let model = crate::robot::FlowModel { position_m: [0.0, 0.3].map(Interval::point), ..exactly(1e-6) };
+        let mut history = WheelHistory::new(60.0).with_gyro(still()).with_flow(model);
+        history.push_flow(0.0, [0, 0], 0);
+        for step in 1..=100_u32 {
+            history.push_flow(0.01 * f64::from(step), [0, 0], 0);
+            history.push_rate(0.01 * f64::from(step), 1.0);
+        }
+        let at = |heading_rad: f64| [0.3 * heading_rad.sin(), -0.3 * heading_rad.cos(), heading_rad];
+        let way = history.flow_way(0.0, 1.0, Interval::centred(0.0, 0.4), &wheels(), &reach()).unwrap();
+        for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+            let mut domain = exact_constants(1e-6);
+            domain.put(Variable::Constant(Constant::FlowPosition(1)), Interval::point(0.3));
+            put_poses(&mut domain, [at(0.0), at(1.0)]);
+            let off = signs.map(|sign: f64| 0.2 * sign);
+            for (frame, off) in off.into_iter().enumerate() {
+                let heading = frame as f64 + off;
+                domain.put(Variable::Pose(frame, 2), Interval::centred(heading, 0.2 * (1.0 + 1e-9)));
+            }
+            for row in flow_rows(&way, [0, 1], true, 0.0, &domain) {
+                let value = row.value_at(|variable| match variable {
+                    Variable::Pose(frame, 2) => -off[frame],
+                    _ => 0.0,
+                });
+                assert!(row.sides.inflate(4e-6).contains(value), "{signs:?}: {value} {}", row.sides);
+                assert!(row.sides.radius() < 0.03, "{}", row.sides);
             }
         }
     }

@@ -179,6 +179,25 @@ mod tests {
     }
 
     #[test]
+    fn a_quantity_that_a_sum_drops_is_enclosed_over_its_interval() {
+        // a + 2b = 5 and c − b = 1, with b in [1, 2]: the sum a + b + c is 6, so that a + c is in [4, 5].
+        let [a, b, c] = [0, 1, 2].map(|frame| Variable::Pose(frame, 0));
+        let mut domain = Domain::default();
+        domain.put(b, Interval::new(1.0, 2.0));
+        [a, c].into_iter().for_each(|kept| domain.put(kept, Interval::new(-10.0, 10.0)));
+        let row = |terms: &[(Variable, f64)], side: f64| Row {
+            terms: terms.to_vec(),
+            sides: Interval::point(side),
+            parts: Vec::new(),
+            devices: Vec::new(),
+        };
+        let (first, second) = (row(&[(a, 1.0), (b, 2.0)], 5.0), row(&[(c, 1.0), (b, -1.0)], 1.0));
+        let sum = Row::sum(&[(1.0, &first), (1.0, &second)], |variable| variable == b, &domain);
+        assert_eq!(sum.terms, [(a, 1.0), (c, 1.0)]);
+        assert!(sum.sides.contains(4.0) && sum.sides.contains(5.0) && sum.sides.width() < 1.0 + 1e-9, "{}", sum.sides);
+    }
+
+    #[test]
     fn the_rests_of_sine_and_cosine_are_enclosed_closely() {
         for most in [1e-3, 0.02, 0.5_f64] {
             let (sine, cosine) = (sine_rest(Interval::centred(0.0, most)), cosine_rest(Interval::centred(0.0, most)));

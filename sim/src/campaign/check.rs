@@ -139,8 +139,8 @@ pub fn check(
 
 /// Names of the scene's methods that read no camera, and are therefore not looked at.
 pub fn without_camera(scene: &Scene) -> Vec<&'static str> {
-    let reads_none = |method: &Box<dyn Method>| !Camera::ALL.iter().any(|&camera| method.reads(&reading(camera, None)));
-    methods(scene).iter().filter(|method| reads_none(method)).map(|method| method.name()).collect()
+    let reads_none = |method: &dyn Method| !Camera::ALL.iter().any(|&camera| method.reads(&reading(camera, None)));
+    methods(scene).iter().filter(|method| reads_none(method.as_ref())).map(|method| method.name()).collect()
 }
 
 /// A number with about three significant digits.

@@ -183,7 +183,7 @@ fn as_table(measured: &Sharpness) -> String {
 /// The dominating bound with its part, and the boxes with theirs where it is greater.
 fn dominant_text(axis: usize, Dominant { bound, part, boxes, width }: &Dominant) -> String {
     let [part_text, boxes_text, width_text] = [part, boxes, width].map(|value| shown(axis, *value).trim().to_owned());
-    let by_boxes = (boxes > part).then(|| format!("boxes {boxes_text}, ")).unwrap_or_default();
+    let by_boxes = if boxes > part { format!("boxes {boxes_text}, ") } else { String::new() };
     let by_bound = bound.map(|bound| format!("{bound} {part_text}, ")).unwrap_or_default();
     format!("{by_boxes}{by_bound}of {width_text}")
 }
