@@ -12,8 +12,6 @@
 //! Source: J. W. Chinneck, E. W. Dravnieks, "Locating minimal infeasible constraint sets in linear programs", ORSA Journal on Computing 3 (1991), the
 //! deletion filter, here over groups of rows and of boxes.
 
-use std::collections::BTreeMap;
-
 use interval::{
     Interval,
     linear_program::{LinearProgram, Search, Solver, certified_minimum, shares},
@@ -21,7 +19,7 @@ use interval::{
 
 use crate::{bounds, bounds::Assumption};
 
-use super::{Readings, Related};
+use super::{Readings, Related, Suspect};
 
 /// Factors by which bounds are made wider, the greatest first, until some are named and not too many. A bound that an event breaks is seldom exceeded
 /// more than a hundredfold, and one that is exceeded by less than a tenth hardly contradicts anything.
@@ -46,26 +44,28 @@ pub struct Conflict {
     pub bounds: Vec<Assumption>,
     /// The readings that contradict each other.
     pub readings: Vec<Readings>,
-    /// Factor by which another bound that the search can widen would have to be exceeded if all named bounds were true. Displacements by errors of
-    /// stamps, landmarks and the start have no bound that it could widen. `None` where more bounds than can be named contradict
-    /// each other with any factor, so that the named ones are only the most doubtful of them.
+    /// Whether what followed from earlier readings can be false instead: where the robot and landmarks were, and what was learnt of the gyroscope.
+    pub is_earlier: bool,
+    /// Factor by which another bound would have to be exceeded if all named bounds, and what followed from earlier readings where that is named, were
+    /// true. `None` where more bounds than can be named contradict each other with any factor, so that the named ones are only the most doubtful of
+    /// them.
     pub factor: Option<f64>,
 }
 
 /// Search for the bounds that contradict each other in a program without a solution, a few steps of the solver at a time.
 pub struct ConflictSearch {
     related: Related,
-    /// All declared bounds of the program, the least doubtful first.
-    suspects: Vec<Assumption>,
+    /// What may be false: what followed from earlier readings, and all declared bounds of the program, the least doubtful first.
+    suspects: Vec<Suspect>,
     /// The factor that is tried, and how many have been tried before.
     factor: f64,
     n_factors: usize,
     /// The greatest factor with which no bound was named, and the least with which too many were, with those bounds.
     too_small: f64,
-    too_great: Option<(f64, Vec<Assumption>)>,
+    too_great: Option<(f64, Vec<Suspect>)>,
     /// For the present factor: number of bounds that have been tried, and those that were named.
     n_tried: usize,
-    named: Vec<Assumption>,
+    named: Vec<Suspect>,
     /// Duals that prove that the declared bounds, or some of them made wider, contradict each other.
     proofs: Vec<Vec<f64>>,
     /// The solver on the present trial.
@@ -76,9 +76,16 @@ pub struct ConflictSearch {
 impl ConflictSearch {
     /// A search that has not begun.
     pub fn new(related: Related) -> ConflictSearch {
-        let mut suspects: Vec<Assumption> = related.rows.iter().flat_map(|row| &row.parts).map(|part| part.0).collect();
-        suspects.extend(related.variables.iter().filter_map(|&variable| related.bound_of(variable)));
-        suspects.sort_by_key(|bound| (std::cmp::Reverse(bounds::doubtfulness(bound)), *bound));
+        let of_rows = related.rows.iter().flat_map(|row| {
+            let learnt = row.is_learnt.then_some(Suspect::Earlier).into_iter();
+            learnt.chain(row.parts.iter().map(|part| part.0).chain(row.void_without).map(Suspect::Bound))
+        });
+        let of_boxes = related.made_by.values().flatten().map(|(suspect, _)| *suspect);
+        let mut suspects: Vec<Suspect> = of_rows.chain(of_boxes).collect();
+        suspects.sort_by_key(|&suspect| match suspect {
+            Suspect::Earlier => (std::cmp::Reverse(usize::MAX), suspect),
+            Suspect::Bound(bound) => (std::cmp::Reverse(bounds::doubtfulness(bound)), suspect),
+        });
         suspects.dedup();
         ConflictSearch {
             related,
@@ -182,13 +189,18 @@ impl ConflictSearch {
     }
 
     /// The answer with bounds that were named in the order in which they were tried. The proof is the latest one that does not need the other bounds.
-    fn conflict(&self, named: &[Assumption], factor: Option<f64>) -> Option<Conflict> {
-        let wide: Vec<Assumption> = self.suspects.iter().copied().filter(|one| !named.contains(one)).collect();
+    fn conflict(&self, named: &[Suspect], factor: Option<f64>) -> Option<Conflict> {
+        let wide: Vec<Suspect> = self.suspects.iter().copied().filter(|one| !named.contains(one)).collect();
         let program =
             if factor.is_some() { widened(&self.related, &wide, self.factor) } else { self.related.program.clone() };
         let proof = self.proofs.iter().rev().find(|duals| certified_minimum(&program, &[], duals) > 0.0)?;
-        let bounds = named.iter().rev().take(MOST_NAMED).copied().collect();
-        Some(Conflict { bounds, readings: self.readings(&program, proof), factor })
+        let bounds = named.iter().rev().filter_map(|suspect| match suspect {
+            Suspect::Earlier => None,
+            Suspect::Bound(bound) => Some(*bound),
+        });
+        let bounds = bounds.take(MOST_NAMED).collect();
+        let is_earlier = named.contains(&Suspect::Earlier);
+        Some(Conflict { bounds, is_earlier, readings: self.readings(&program, proof), factor })
     }
 
     /// The readings of the rows and boxes that a proof needs.
@@ -223,41 +235,52 @@ impl ConflictSearch {
 }
 
 /// The bounds that are wide in a trial: of those tried before, the ones that were not named, and the one that is tried now. None in trial number 0.
-fn trial(suspects: &[Assumption], named: &[Assumption], n_tried: usize) -> Vec<Assumption> {
+fn trial(suspects: &[Suspect], named: &[Suspect], n_tried: usize) -> Vec<Suspect> {
     suspects[..n_tried].iter().copied().filter(|one| !named.contains(one)).collect()
 }
 
-/// The program with some bounds wider by a factor.
-fn widened(related: &Related, wide: &[Assumption], factor: f64) -> LinearProgram {
+/// The program with what some suspects make wider by a factor. A row that says nothing without one of them becomes so wide that it says nothing.
+fn widened(related: &Related, wide: &[Suspect], factor: f64) -> LinearProgram {
     let more = factor - 1.0;
-    let variables: BTreeMap<usize, Interval> = related
-        .variables
-        .iter()
-        .enumerate()
-        .filter(|(_, variable)| related.bound_of(**variable).is_some_and(|bound| wide.contains(&bound)))
-        .map(|(at, _)| (at, related.program.variables()[at]))
-        .map(|(at, values)| (at, values.inflate(more * values.radius())))
-        .collect();
-    let rows: Vec<f64> = related
-        .rows
-        .iter()
-        .map(|row| more * row.parts.iter().filter(|(bound, _)| wide.contains(bound)).map(|(_, half)| half).sum::<f64>())
-        .collect();
-    related.program.widened(|at| variables.get(&at).copied(), |row| rows[row])
+    let is_wide = |bound: Assumption| wide.contains(&Suspect::Bound(bound));
+    let boxes = related.variables.iter().zip(related.program.variables()).map(|(variable, values)| {
+        let makers = related.made_by.get(variable).into_iter().flatten();
+        let half: f64 = makers.filter(|(suspect, _)| wide.contains(suspect)).map(|(_, half)| half).sum();
+        (half > 0.0).then(|| values.inflate(more * half))
+    });
+    let boxes: Vec<Option<Interval>> = boxes.collect();
+    let rows = related.rows.iter().enumerate().map(|(at, row)| {
+        if row.void_without.is_some_and(is_wide) {
+            let terms = related.program.terms(at).iter();
+            let reach = terms.map(|&(variable, coefficient)| {
+                let values = boxes[variable].unwrap_or(related.program.variables()[variable]);
+                values.magnitude() * coefficient.abs()
+            });
+            return 2.0 * (reach.sum::<f64>() + related.program.sides(at).magnitude());
+        }
+        let learnt =
+            if row.is_learnt && wide.contains(&Suspect::Earlier) { related.program.sides(at).radius() } else { 0.0 };
+        more * (learnt + row.parts.iter().filter(|(bound, _)| is_wide(bound)).map(|(_, half)| half).sum::<f64>())
+    });
+    let rows: Vec<f64> = rows.collect();
+    related.program.widened(|at| boxes[at], |row| rows[row])
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
-    use crate::graph::{Constant, Domain, Row, Variable, trial::Draw};
+    use crate::graph::{Constant, Domain, Row, Variable, related::Origin, trial::Draw};
 
     /// A program over the x of three poses, each between −10 and 10 m, and the track, which is 1 ± 0.001 m.
     fn related(rows: Vec<Row>) -> Related {
         let mut domain = Domain::default();
         (0..3).for_each(|frame| domain.put(Variable::Pose(frame, 0), Interval::new(-10.0, 10.0)));
         domain.put(Variable::Constant(Constant::Track), Interval::centred(1.0, 0.001));
-        let rows = rows.into_iter().enumerate().map(|(at, row)| (row, [at as f64, at as f64 + 1.0])).collect();
+        let rows =
+            rows.into_iter().enumerate().map(|(at, row)| (row, Origin::over([at as f64, at as f64 + 1.0]))).collect();
         Related::new(domain, rows, BTreeMap::new()).unwrap()
     }
 
@@ -306,6 +329,62 @@ mod tests {
         let found = found(related(rows)).unwrap();
         assert_eq!(found.factor, Some(2.0));
         assert_eq!(found.bounds, [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP, bounds::FLOW_SCALE]);
+    }
+
+    #[test]
+    fn what_was_known_before_is_named_only_where_the_contradiction_needs_it() {
+        // The box of pose 0 is by nothing in the program: x is within 10 m. By the wheels it is 1012 ± 0.1: a box a hundred times as wide, or slip a
+        // hundred times as great, resolves that if it is slip of 11 m. By the flow sensor it is 1012 ± 0.1, too, so that only the box is left.
+        let wheels = || row(0.0, 900.0, 0.1, "wheels", &[(bounds::WHEELS_SLIP, 0.1)]);
+        let by_one = found(related(vec![wheels()])).unwrap();
+        assert!(by_one.is_earlier && by_one.bounds.is_empty() && by_one.factor == Some(100.0), "{by_one:?}");
+        // Of two rows that contradict each other by themselves the box says nothing.
+        let other = row(0.0, 5.0, 0.1, "flow", &[(bounds::FLOW_SCALE, 0.1)]);
+        let nearer = row(0.0, 3.0, 0.1, "wheels", &[(bounds::WHEELS_SLIP, 0.1)]);
+        let by_two = found(related(vec![nearer, other])).unwrap();
+        assert!(!by_two.is_earlier && by_two.bounds == [bounds::WHEELS_SLIP, bounds::FLOW_SCALE], "{by_two:?}");
+    }
+
+    #[test]
+    fn what_displaces_a_reading_is_named_by_the_bounds_that_make_it() {
+        // A reading shows a pose that is displaced by up to 0.02 m by the body's tilt: x is 1.06 ± 0.001 less the displacement. By the wheels it is
+        // 1 ± 0.01. A displacement of 0.049 m, made by 2.5 times the tilt, resolves that, and so does five times the slip.
+        let (x, shift) = (Variable::Pose(0, 0), Variable::Shift(0, 0));
+        let mut domain = Domain::default();
+        domain.put(x, Interval::new(-10.0, 10.0));
+        domain.put(shift, Interval::centred(0.0, 0.02));
+        let shown = |middle: f64, half: f64, terms: &[(Variable, f64)]| Row {
+            terms: terms.to_vec(),
+            sides: Interval::centred(middle, half),
+            parts: Vec::new(),
+            devices: Vec::new(),
+        };
+        let reading = shown(1.06, 0.001, &[(x, 1.0), (shift, 1.0)]).with_part(bounds::RANGE_CAMERA_COLUMNS, 0.001);
+        let way = shown(1.0, 0.01, &[(x, 1.0)]).with_part(bounds::WHEELS_SLIP, 0.01);
+        let rows = vec![(reading, Origin::over([1.0; 2])), (way, Origin::over([0.0, 1.0]))];
+        let mut related = Related::new(domain, rows, BTreeMap::new()).unwrap();
+        related.made_by.insert(shift, vec![(Suspect::Bound(bounds::BODY_TILT), 0.02)]);
+        let found = found(related).unwrap();
+        assert_eq!(found.bounds, [bounds::WHEELS_SLIP, bounds::BODY_TILT, bounds::RANGE_CAMERA_COLUMNS]);
+    }
+
+    #[test]
+    fn a_row_that_says_nothing_without_a_bound_names_it() {
+        // x is 5 ± 0.01 if the code of the one reading is right, and 1 ± 0.01 by the wheels.
+        let rows = [
+            (row(0.0, 5.0, 0.01, "range_camera", &[(bounds::RANGE_CAMERA_COLUMNS, 0.01)]), true),
+            (row(0.0, 1.0, 0.01, "wheels", &[(bounds::WHEELS_SLIP, 0.01)]), false),
+        ];
+        let rows = rows.map(|(row, has_code)| {
+            let void_without = has_code.then_some(bounds::RANGE_LANDMARKS_Q_ITEMS);
+            (row, Origin { void_without, ..Origin::over([1.0; 2]) })
+        });
+        let mut domain = Domain::default();
+        domain.put(Variable::Pose(0, 0), Interval::new(-10.0, 10.0));
+        domain.put(Variable::Constant(Constant::Track), Interval::centred(1.0, 0.001));
+        let found = found(Related::new(domain, rows.to_vec(), BTreeMap::new()).unwrap()).unwrap();
+        assert_eq!(found.bounds, [bounds::RANGE_LANDMARKS_Q_ITEMS]);
+        assert_eq!((found.factor, found.is_earlier), (Some(100.0), false));
     }
 
     #[test]

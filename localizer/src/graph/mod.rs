@@ -31,7 +31,7 @@ pub use flow::flow_rows;
 pub use hull::Hull;
 pub use key_frames::{KeyFrames, Place};
 pub use place::SeenPlace;
-pub use related::{BoxLabel, Readings, Related, RowLabel};
+pub use related::{BoxLabel, Readings, Related, RowLabel, Suspect};
 pub use relations::{Disc, Relations};
 pub use row::Row;
 pub use sighting::sighting_rows;

@@ -2,7 +2,7 @@
 
 use interval::Interval;
 
-use crate::PoseBox;
+use crate::{PoseBox, bounds::Assumption};
 
 use super::{Domain, Row, Stray, Variable};
 
@@ -36,9 +36,21 @@ pub trait Relations: Send + Sync {
     /// Greatest error of the reading's stamp.
     fn stamp_error_s(&self) -> f64;
 
+    /// The declared bound on that error.
+    fn stamp_bound(&self) -> Assumption;
+
     /// Greatest horizontal distance by which everything that the reading shows is displaced in common, such as by the motion within the stamp's
     /// error, which `stray` bounds.
     fn shift_m(&self, stray: &Stray) -> f64;
+
+    /// The declared bounds that make [`Relations::shift_m`], each with the part that grows with it. Parts may overlap: what a stamp's error makes grows
+    /// with the robot's greatest speed, too.
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)>;
+
+    /// A declared bound without which the rows say nothing at all, such as the number of wrong codes in a reading.
+    fn void_without(&self) -> Option<Assumption> {
+        None
+    }
 
     /// The rows of the reading at the key frame with the given number. The domain has the pose of that key frame, the constants of the robot, and the
     /// reading's quantities; rows of a landmark that the domain does not have are left out. The pose is that which the reading shows: it is displaced

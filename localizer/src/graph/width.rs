@@ -10,7 +10,7 @@ use interval::linear_program::Shares;
 
 use crate::bounds::Assumption;
 
-use super::Related;
+use super::{Related, Suspect, Variable};
 
 /// What makes the width of a quantity's interval, in the quantity's unit. The parts less `saved` add up to the width.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,10 +42,17 @@ impl WidthParts {
                 parts.rest += (half - named * scale) * per_half;
             }
             for (&variable, &share) in related.variables.iter().zip(&side.variables) {
-                match variable.bound() {
-                    Some(bound) => *parts.by_bound.entry(bound).or_default() += share,
-                    None => parts.by_boxes += share,
-                }
+                let makers = related.made_by.get(&variable).map_or(&[][..], Vec::as_slice);
+                // Parts may overlap, so that they are taken for their shares of their sum.
+                let whole: f64 = makers.iter().map(|(_, half)| half).sum();
+                let named = makers.iter().filter_map(|&(suspect, half)| match suspect {
+                    Suspect::Bound(bound) if whole > 0.0 => Some((bound, half / whole)),
+                    _ => None,
+                });
+                // What a pose's box follows from are many bounds.
+                let named: Vec<(Assumption, f64)> = named.filter(|_| !matches!(variable, Variable::Pose(..))).collect();
+                named.iter().for_each(|&(bound, of)| *parts.by_bound.entry(bound).or_default() += of * share);
+                parts.by_boxes += if named.is_empty() { share } else { 0.0 };
             }
         }
         parts.by_bound.retain(|_, part| *part > 0.0);
@@ -73,6 +80,7 @@ mod tests {
         bounds,
         graph::{
             Constant, Domain, Hull, KeyFrames, Row, Stray, Variable,
+            related::Origin,
             trial::{Draw, Drive, reach, robot, wheels},
         },
     };
@@ -86,7 +94,7 @@ mod tests {
         domain.put(metres, Interval::centred(1.0, 0.05));
         let sides = Interval::centred(0.0, 0.3);
         let row = Row { terms: vec![(x, 1.0), (metres, -2.0)], sides, parts: Vec::new(), devices: Vec::new() };
-        let rows = vec![(row.with_part(bounds::WHEELS_SLIP, 0.2), [0.0, 1.0])];
+        let rows = vec![(row.with_part(bounds::WHEELS_SLIP, 0.2), Origin::over([0.0, 1.0]))];
         let mut hull = Hull::new(Related::new(domain, rows, BTreeMap::new()).unwrap(), vec![x]);
         while !hull.advance() {}
         // The solver stops at 1e-5 of the width of the box before, which is 20.

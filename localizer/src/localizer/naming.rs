@@ -40,6 +40,9 @@ pub struct Contradiction {
     pub found_s: f64,
     /// The bounds, the most doubtful first. At least one of them is broken, or another one by more than `factor`.
     pub bounds: Vec<Assumption>,
+    /// Whether, in place of these bounds, what was known before the readings can be false: where the robot and landmarks were, and what was learnt of
+    /// the gyroscope. Then a bound was broken earlier.
+    pub is_earlier: bool,
     /// The readings that contradict each other under these bounds.
     pub readings: Vec<Readings>,
     /// How many times its declared value another bound would have to be if those named were kept. `None` where the named bounds are only the most
@@ -59,11 +62,18 @@ impl fmt::Display for Contradiction {
     /// One sentence that says what cannot be true.
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bounds = self.bounds.join(", ");
-        match self.factor {
-            Some(factor) => {
+        match (self.factor, self.is_earlier, self.bounds.is_empty()) {
+            (Some(factor), false, _) => {
                 write!(to, "of {bounds} one is broken, or another bound more than {factor} times exceeded")?
             }
-            None => write!(to, "an assumption is false, most likely one of {bounds}")?,
+            (Some(factor), true, false) => write!(
+                to,
+                "of {bounds} one is broken, or what was known before was false, or another bound more than {factor} times exceeded"
+            )?,
+            (Some(factor), true, true) => {
+                write!(to, "what was known before was false, or a bound more than {factor} times exceeded")?
+            }
+            (None, ..) => write!(to, "an assumption is false, most likely one of {bounds}")?,
         }
         for (index, Readings { device, span_s: [from_s, to_s] }) in self.readings.iter().enumerate() {
             to.write_str(if index == 0 { ", by the readings of " } else { ", " })?;
@@ -131,8 +141,13 @@ impl Localizer {
         if let Some(search) = &mut pending.search {
             if search.advance() {
                 if let Some(conflict) = search.found().cloned() {
-                    let (bounds, readings, factor) = (conflict.bounds, conflict.readings, conflict.factor);
-                    self.naming.latest = Some(Contradiction { found_s: pending.found_s, bounds, readings, factor });
+                    self.naming.latest = Some(Contradiction {
+                        found_s: pending.found_s,
+                        bounds: conflict.bounds,
+                        is_earlier: conflict.is_earlier,
+                        readings: conflict.readings,
+                        factor: conflict.factor,
+                    });
                     return;
                 }
                 pending.search = None;
@@ -204,7 +219,11 @@ impl Localizer {
             relations.as_ref().map_or(Stray::default(), |one| Stray::by_reach(one.stamp_error_s(), &robot.reach));
         frames.push_beside(stamp_s, alone.unwrap_or(sought), stray, relations);
         let narrower = alone.map(|alone| [0, 1, 2].map(|axis| is_narrower(alone[axis], sought[axis])));
-        frames.label_latest(narrower.zip(slot.and_then(Slot::label)).map(|(axes, label)| BoxLabel { axes, ..label }));
+        frames.label_latest(narrower.zip(slot.and_then(Slot::label)).map(|(axes, label)| BoxLabel {
+            axes,
+            is_alone: true,
+            ..label
+        }));
         let way = wheels.way(before_s, stamp_s, &robot.wheels, &robot.reach);
         let flow = wheels.flow_way(before_s, stamp_s, before[2], &robot.wheels, &robot.reach);
         frames.set_latest(way, flow, stray);
@@ -231,7 +250,7 @@ fn most_doubtful(pending: &Pending, slot: Option<&Slot>) -> Contradiction {
     bounds.dedup();
     bounds.truncate(MOST_NAMED);
     let readings = slot.and_then(Slot::reading).into_iter().collect();
-    Contradiction { found_s: pending.found_s, bounds, readings, factor: None }
+    Contradiction { found_s: pending.found_s, bounds, is_earlier: false, readings, factor: None }
 }
 
 impl Slot {
@@ -245,7 +264,7 @@ impl Slot {
     pub(super) fn label(&self) -> Option<BoxLabel> {
         let relies_on = &self.constraint.as_ref()?.relies_on;
         let bound = *relies_on.iter().min_by_key(|bound| bounds::doubtfulness(bound))?;
-        Some(BoxLabel { bound, reading: self.reading()?, axes: self.narrows })
+        Some(BoxLabel { bound, is_alone: false, reading: self.reading()?, axes: self.narrows })
     }
 }
 

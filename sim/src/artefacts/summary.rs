@@ -97,6 +97,8 @@ pub struct Contradiction<'a> {
     pub time_s: f64,
     /// The bounds of which not all can be true, the most doubtful first.
     pub bounds: &'a [&'static str],
+    /// Whether what was known before the readings can be false instead.
+    pub earlier: bool,
     /// How many times its declared value another bound would have to be if these were kept; `None` where that is not known.
     pub factor: Option<f64>,
     /// The readings that contradict each other.
@@ -118,6 +120,7 @@ impl<'a> Contradiction<'a> {
         Contradiction {
             time_s: found.found_s,
             bounds: &found.bounds,
+            earlier: found.is_earlier,
             factor: found.factor,
             readings: readings.collect(),
         }

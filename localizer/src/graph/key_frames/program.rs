@@ -1,13 +1,16 @@
 //! The linear program of all key frames: the boxes of its quantities, and its rows.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 use interval::{Interval, linear_program::ProgramError};
 
-use crate::{bounds, reading::LandmarkId, robot::GyroModel};
+use crate::{bounds, bounds::Assumption, reading::LandmarkId, robot::GyroModel};
 
 use super::{
-    super::{Constant, Domain, Related, Row, Variable},
+    super::{Constant, Domain, Related, Relations, Row, Suspect, Variable, related::Origin},
     KeyFrame, KeyFrames, Place,
 };
 
@@ -19,27 +22,43 @@ impl KeyFrames {
     pub fn related(&self, known: &[(LandmarkId, Place)]) -> Result<Related, ProgramError> {
         let mut domain = self.domain(known);
         let whole_s = [self.frames.front(), self.frames.back()].map(|frame| frame.map_or(0.0, |frame| frame.stamp_s));
-        let mut rows: Vec<(Row, [f64; 2])> = self.gyro_rows(&domain).into_iter().map(|row| (row, whole_s)).collect();
+        let learnt = Origin { is_learnt: true, ..Origin::over(whole_s) };
+        let mut rows: Vec<(Row, Origin)> = self.gyro_rows(&domain).into_iter().map(|row| (row, learnt)).collect();
         let mut before: Option<&KeyFrame> = None;
         for frame in &self.frames {
             if let (Some(before), Some(link)) = (before, &frame.link) {
-                let span_s = [before.stamp_s, frame.stamp_s];
+                let origin = Origin::over([before.stamp_s, frame.stamp_s]);
                 let between = link.rows([before.number, frame.number], &domain).into_iter();
-                rows.extend(between.chain(self.drift_row(before, frame, &domain)).map(|row| (row, span_s)));
+                rows.extend(between.chain(self.drift_row(before, frame, &domain)).map(|row| (row, origin)));
             }
-            rows.extend(frame.rows(&domain).into_iter().map(|row| (row, [frame.stamp_s; 2])));
+            let void_without = frame.relations.as_ref().and_then(|relations| relations.void_without());
+            let origin = Origin { void_without, ..Origin::over([frame.stamp_s; 2]) };
+            rows.extend(frame.rows(&domain).into_iter().map(|row| (row, origin)));
             before = Some(frame);
         }
         // Quantities that no row names are left out.
         let named = rows.iter().flat_map(|(row, _)| &row.terms).map(|&(variable, _)| variable);
         let named: BTreeSet<Variable> = named.collect();
-        rows.extend(self.disc_rows(&named, &domain).into_iter().map(|row| (row, whole_s)));
+        rows.extend(self.disc_rows(&named, &domain).into_iter().map(|row| (row, Origin::over(whole_s))));
         domain.retain(|variable| named.contains(&variable) || matches!(variable, Variable::Pose(..)));
         let labels = self.frames.iter().filter_map(|frame| Some((frame, frame.label?)));
         let boxes = labels.flat_map(|(frame, label)| {
             (0..3).filter(move |&axis| label.axes[axis]).map(move |axis| (Variable::Pose(frame.number, axis), label))
         });
-        Related::new(domain, rows, boxes.collect())
+        let mut related = Related::new(domain, rows, boxes.collect())?;
+        for variable in GYRO_ERRORS.into_iter().filter(|_| !self.gyro_errors.is_empty()) {
+            // What is known of it now was learnt from earlier headings.
+            let made_by = related.made_by.get_mut(&variable).into_iter();
+            made_by.for_each(|made_by| made_by.extend(made_by.first().map(|&(_, half)| (Suspect::Earlier, half))));
+        }
+        for frame in &self.frames {
+            for axis in 0..3 {
+                if let Some(made_by) = related.made_by.get_mut(&Variable::Shift(frame.number, axis)) {
+                    *made_by = frame.shift_parts(axis).map(|(bound, half)| (Suspect::Bound(bound), half)).collect();
+                }
+            }
+        }
+        Ok(related)
     }
 
     /// The boxes of all quantities: of the landmarks, all that are seen from two key frames or more.
@@ -90,6 +109,18 @@ impl KeyFrames {
         domain
     }
 
+    /// Declared bounds with the parts that they make of a quantity's interval.
+    fn parts(&self, variable: Variable, domain: &Domain) -> Vec<(Assumption, f64)> {
+        match (variable, variable.bound()) {
+            (_, Some(bound)) => vec![(bound, domain.value(variable).radius())],
+            (Variable::Shift(number, axis), None) => {
+                let frame = self.frames.iter().find(|frame| frame.number == number);
+                frame.into_iter().flat_map(|frame| frame.shift_parts(axis)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// Rows that cut the corners off the square about each disc of quantities that other rows name: with components a and b of length r at most,
     /// |a ± b| ≤ √2·r.
     fn disc_rows(&self, named: &BTreeSet<Variable>, domain: &Domain) -> Vec<Row> {
@@ -105,7 +136,8 @@ impl KeyFrames {
             [1.0, -1.0].map(|sign| {
                 let at_reference = Interval::point(domain.reference(a)) + Interval::point(domain.reference(b)) * sign;
                 let sides = Interval::centred(0.0, most) - at_reference;
-                Row::new(domain, &[(a, Interval::ONE), (b, Interval::point(sign))], sides)
+                let row = Row::new(domain, &[(a, Interval::ONE), (b, Interval::point(sign))], sides);
+                row.with_parts(std::f64::consts::SQRT_2, &self.parts(a, domain))
             })
         };
         discs.retain(|pair, _| pair.iter().all(|variable| named.contains(variable)));
@@ -146,6 +178,15 @@ impl KeyFrames {
 }
 
 impl KeyFrame {
+    /// Declared bounds with the parts that they make of the displacement along an axis of the pose that the reading shows.
+    fn shift_parts(&self, axis: usize) -> impl Iterator<Item = (Assumption, f64)> {
+        let of_relations = move |relations: &Arc<dyn Relations>| match axis {
+            2 => [relations.stamp_bound(), bounds::REACH_TURN_RATE].map(|one| (one, self.stray.radians)).to_vec(),
+            _ => relations.shift_parts(&self.stray),
+        };
+        self.relations.iter().flat_map(of_relations)
+    }
+
     /// The rows of the reading at the key frame.
     fn rows(&self, domain: &Domain) -> Vec<Row> {
         let Some(relations) = &self.relations else { return Vec::new() };

@@ -3,6 +3,7 @@
 use interval::IntervalBox;
 
 use super::*;
+use crate::bounds::{self, Assumption};
 use crate::graph::{
     Hull, Row,
     trial::{Draw, Drive, reach, robot, wheels},
@@ -69,8 +70,16 @@ impl Relations for Displaced {
         0.0
     }
 
+    fn stamp_bound(&self) -> Assumption {
+        bounds::FLOOR_CAMERA_STAMP
+    }
+
     fn shift_m(&self, stray: &Stray) -> f64 {
         stray.metres
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        vec![(bounds::BODY_TILT, stray.metres)]
     }
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {

@@ -4,6 +4,7 @@ use interval::Interval;
 
 use crate::{
     PoseBox, RobotModel,
+    bounds::{self, Assumption},
     graph::{Disc, Domain, Relations, Row, SeenPlace, Stray, Variable},
     map::PlacedMarker,
     markers::{GridPlace, dot_in_marker_m},
@@ -84,6 +85,14 @@ impl Relations for Dots {
 
     fn shift_m(&self, stray: &Stray) -> f64 {
         stray.metres
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        [bounds::CEILING_CAMERA_STAMP, bounds::REACH_SPEED].map(|bound| (bound, stray.metres)).to_vec()
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        bounds::CEILING_CAMERA_STAMP
     }
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {

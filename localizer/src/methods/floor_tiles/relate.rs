@@ -10,6 +10,7 @@ use interval::Interval;
 
 use crate::{
     PoseBox,
+    bounds::{self, Assumption},
     graph::{Domain, Relations, Row, SeenPlace, Stray, Variable},
     vision::line_fit::LineSet,
 };
@@ -115,6 +116,14 @@ impl Relations for Joints {
 
     fn shift_m(&self, stray: &Stray) -> f64 {
         stray.metres
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        [bounds::FLOOR_CAMERA_STAMP, bounds::REACH_SPEED].map(|bound| (bound, stray.metres)).to_vec()
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        bounds::FLOOR_CAMERA_STAMP
     }
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {

@@ -22,7 +22,8 @@ use std::sync::Arc;
 use interval::Interval;
 
 use crate::{
-    PoseBox, RobotModel, bounds,
+    PoseBox, RobotModel,
+    bounds::{self, Assumption},
     graph::{Domain, Relations, Row, Stray, Variable, sighting_rows},
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
@@ -188,6 +189,20 @@ impl Relations for Sightings {
 
     fn shift_m(&self, stray: &Stray) -> f64 {
         self.sensor.shift_m(stray)
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        let by_motion = [bounds::RANGE_CAMERA_STAMP, bounds::REACH_SPEED].map(|bound| (bound, stray.metres));
+        let by_tilt_m = self.sensor.shift_m(&Stray::default());
+        by_motion.into_iter().chain([(bounds::BODY_TILT, by_tilt_m)]).collect()
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        bounds::RANGE_CAMERA_STAMP
+    }
+
+    fn void_without(&self) -> Option<Assumption> {
+        Some(bounds::RANGE_LANDMARKS_Q_ITEMS)
     }
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {

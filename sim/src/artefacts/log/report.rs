@@ -245,7 +245,7 @@ fn stated_against(played: &Played, truth: &TruePath) -> Option<Value> {
 fn contradiction(found: &Contradiction) -> Value {
     let readings = found.readings.iter();
     json!({
-        "time_s": found.found_s, "bounds": found.bounds, "factor": found.factor,
+        "time_s": found.found_s, "bounds": found.bounds, "earlier": found.is_earlier, "factor": found.factor,
         "readings": readings.map(|one| json!({ "device": one.device, "from_s": one.span_s[0], "to_s": one.span_s[1] })).collect::<Vec<_>>(),
     })
 }

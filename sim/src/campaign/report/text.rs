@@ -86,10 +86,14 @@ pub(super) fn contradictions(case: &CaseResult) -> Vec<String> {
 
 fn contradiction(found: &Value) -> Option<String> {
     let bounds: Vec<&str> = found["bounds"].as_array()?.iter().filter_map(Value::as_str).collect();
-    let (time_s, bounds) = (found["time_s"].as_f64()?, bounds.join(", "));
+    let is_earlier = found["earlier"].as_bool() == Some(true);
+    let earlier = is_earlier.then(|| "what was known before was false".to_owned());
+    let named = (!bounds.is_empty()).then(|| format!("one of {} is broken", bounds.join(", ")));
+    let either: Vec<String> = named.into_iter().chain(earlier).collect();
+    let (time_s, bounds, either) = (found["time_s"].as_f64()?, bounds.join(", "), either.join(", or "));
     Some(match found["factor"].as_f64() {
         Some(factor) => format!(
-            "readings contradict each other at {time_s:.2} s: one of {bounds} is broken, or another bound is exceeded more than {factor:.3}-fold"
+            "readings contradict each other at {time_s:.2} s: {either}, or another bound is exceeded more than {factor:.3}-fold"
         ),
         None => format!("readings contradict each other at {time_s:.2} s: most likely one of {bounds} is broken"),
     })
