@@ -59,6 +59,11 @@ impl Hull {
         sides.map(|sides| WidthParts::new(&self.related, sides)).collect()
     }
 
+    /// The quantities whose bounds are asked for.
+    pub fn wanted(&self) -> impl Iterator<Item = Variable> {
+        self.wanted.iter().map(|&(variable, _)| variable)
+    }
+
     /// The program and its labels.
     pub fn into_related(self) -> Related {
         self.related

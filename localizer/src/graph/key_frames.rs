@@ -154,6 +154,54 @@ impl KeyFrames {
         self.frames.push_back(latest);
     }
 
+    /// The gap between two key frames into which a late reading with the given stamp fits: at least `apart_s` from any other reading that relates
+    /// something, and before the latest key frame.
+    pub fn gap_for(&self, stamp_s: f64, apart_s: f64) -> Option<Gap> {
+        let at = self.frames.iter().position(|frame| frame.stamp_s > stamp_s).filter(|&at| at > 0)?;
+        let is_near = |frame: &KeyFrame| frame.relations.is_some() && (frame.stamp_s - stamp_s).abs() < apart_s;
+        let [before, after] = [&self.frames[at - 1], &self.frames[at]];
+        let is_free = !self.frames.iter().any(is_near) && before.stamp_s < stamp_s && after.link.is_some();
+        is_free.then_some(Gap { at, span_s: [before.stamp_s, after.stamp_s], heading: before.pose[2] })
+    }
+
+    /// Adds a key frame for a late reading between two others, with the ways to it and on from it. Returns whether it was added: the ways have to
+    /// tell the motion as fully as the way between the two others did.
+    pub fn insert(&mut self, gap: &Gap, stamp_s: f64, late: LateFrame, ways: [Ways; 2]) -> bool {
+        let [before, after] = [&self.frames[gap.at - 1], &self.frames[gap.at]];
+        let place = |flow: &Option<FlowWay>| {
+            flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])))
+        };
+        let [to, on] = [place(&ways[0].1), place(&ways[1].1)];
+        let had = after.link.as_ref().map(Link::tells);
+        let tells = |(way, flow): &Ways| [flow.is_some(), way.is_some()];
+        let keeps_places = to.is_none_or(|[first, _]| before.place.is_none_or(|place| place == first))
+            && on.map(|[_, last]| last) == after.place;
+        if !keeps_places || had.is_none_or(|had| ways.iter().any(|ways| had != tells(ways))) {
+            return false;
+        }
+        let number = self.next_number;
+        self.next_number += 1;
+        let scale_change = self.flow_scale_change;
+        let LateFrame { pose, stray, relations } = late;
+        let [first, second] = ways;
+        let link =
+            |(way, flow): Ways, shares_error: bool| Some(Link::Read(Read { way, flow, shares_error, scale_change }));
+        if let (Some([first, _]), None) = (to, before.place) {
+            self.frames[gap.at - 1].place = Some(first);
+        }
+        let shares_error = to.zip(on).is_some_and(|([_, last], [first, _])| last == first);
+        self.frames[gap.at].link = link(second, shares_error);
+        let place = to.map(|[_, last]| last);
+        let relations = Some(relations);
+        let frame =
+            KeyFrame { number, stamp_s, pose, label: None, link: link(first, to.is_some()), relations, stray, place };
+        self.frames.insert(gap.at, frame);
+        if self.frames.len() > MOST {
+            self.drop_one();
+        }
+        true
+    }
+
     /// Narrows the pose of the latest key frame.
     pub fn narrow_latest(&mut self, pose: &PoseBox) {
         if let Some(latest) = self.frames.back_mut() {
@@ -198,6 +246,30 @@ impl KeyFrames {
         self.frames[at + 1].link = link;
         self.frames.remove(at);
     }
+}
+
+/// The ways between two stamps: by the wheels with the gyroscope, and by the flow sensor with the gyroscope.
+pub type Ways = (Option<Way>, Option<FlowWay>);
+
+/// A place between two key frames.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap {
+    /// Index of the key frame after the gap.
+    at: usize,
+    /// Stamps of the key frames before and after it.
+    pub span_s: [f64; 2],
+    /// Headings at the key frame before it.
+    pub heading: Interval,
+}
+
+/// A late reading as a key frame.
+pub struct LateFrame {
+    /// Box of the pose at the reading's stamp.
+    pub pose: PoseBox,
+    /// How far the robot can have gone within the error of the stamp.
+    pub stray: Stray,
+    /// What the reading relates.
+    pub relations: Arc<dyn Relations>,
 }
 
 impl KeyFrame {

@@ -63,6 +63,14 @@ impl Link {
         }
     }
 
+    /// Whether the link tells the way by the flow sensor, and whether by the wheels.
+    pub(super) fn tells(&self) -> [bool; 2] {
+        match self {
+            Link::Read(read) => [read.flow.is_some(), read.way.is_some()],
+            Link::Joined(joined) => [0, 1].map(|source| joined.displacements[source].is_some()),
+        }
+    }
+
     /// The way by the readings between the key frames.
     pub(super) fn read(&self) -> Option<&Read> {
         match self {

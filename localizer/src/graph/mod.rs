@@ -29,7 +29,7 @@ pub use conflict::{Conflict, ConflictSearch};
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
-pub use key_frames::{KeyFrames, Place};
+pub use key_frames::{KeyFrames, LateFrame, Place, Ways};
 pub use place::SeenPlace;
 pub use related::{BoxLabel, Readings, Related, RowLabel, Suspect};
 pub use relations::{Disc, Relations};

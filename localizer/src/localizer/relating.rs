@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
-use interval::IntervalBox;
+use interval::{Interval, IntervalBox};
 
 use crate::{
-    PoseUnion, RobotModel,
-    graph::{Hull, KeyFrames, Related, Relations, Stray, Variable, WidthParts},
+    PoseBox, PoseUnion, RobotModel,
+    graph::{Hull, KeyFrames, LateFrame, Related, Relations, Stray, Variable, Ways, WidthParts},
 };
 
 use super::{Localizer, naming::Intersected, ring::Slot};
@@ -113,7 +113,13 @@ impl Localizer {
         let pose = posterior.hull();
         let is_known = !pose.is_empty() && pose[2].width() <= WIDEST_RAD;
         let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;
-        if !is_known || !is_believed || !self.graph.is_due(stamp_s, relations.is_some()) {
+        if !is_known || !is_believed {
+            return;
+        }
+        if !self.graph.is_due(stamp_s, relations.is_some()) {
+            if let Some(relations) = relations {
+                self.relate_late(stamp_s, pose, relations);
+            }
             return;
         }
         let stamp_error_s = relations.as_ref().map_or(0.0, |relations| relations.stamp_error_s());
@@ -121,6 +127,39 @@ impl Localizer {
         self.graph.frames.push(stamp_s, pose, stray, relations);
         self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
         self.graph.work = Some(Work::Awaiting(0));
+    }
+
+    /// Keeps a late reading as a key frame between two others where there is room for it. Then the latest pose is bounded anew with it.
+    fn relate_late(&mut self, stamp_s: f64, pose: PoseBox, relations: Arc<dyn Relations>) {
+        let Some(gap) = self.graph.frames.gap_for(stamp_s, PERIOD_S - 0.5 * SLACK_S) else { return };
+        let [from_s, to_s] = gap.span_s;
+        if from_s < self.doubts.ended_s {
+            return;
+        }
+        let ways = [self.ways([from_s, stamp_s], gap.heading), self.ways([stamp_s, to_s], pose[2])];
+        let stray = self.stray_at(stamp_s, relations.stamp_error_s());
+        let late = LateFrame { pose, stray, relations };
+        if self.graph.frames.insert(&gap, stamp_s, late, ways) {
+            self.graph.work.get_or_insert(Work::Awaiting(0));
+        }
+    }
+
+    /// The ways between two stamps by the readings that have arrived; `heading` encloses the heading at the first of them.
+    fn ways(&self, [from_s, to_s]: [f64; 2], heading: Interval) -> Ways {
+        let (wheels, reach) = (&self.robot.wheels, &self.robot.reach);
+        let is_believed = !self.slip.covers([from_s, to_s]);
+        let way = is_believed.then(|| self.wheels.way(from_s, to_s, wheels, reach)).flatten();
+        (way, self.wheels.flow_way(from_s, to_s, heading, wheels, reach))
+    }
+
+    /// How far the robot can have gone within the error of a stamp.
+    fn stray_at(&self, stamp_s: f64, error_s: f64) -> Stray {
+        let mut stray = Stray::by_reach(error_s, &self.robot.reach);
+        if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, &self.robot.wheels, &self.robot.reach)
+        {
+            stray.radians = stray.radians.min(turn_rad);
+        }
+        stray
     }
 
     /// Goes on with the work on the latest key frame's program: a fixed part of it at each wheel reading.
@@ -152,22 +191,10 @@ impl Localizer {
     /// stamp.
     fn learn_way(&mut self) {
         let Some(stamp_s) = self.graph.frames.latest_s() else { return };
-        let (wheels, reach) = (&self.robot.wheels, &self.robot.reach);
         let span_s = self.graph.frames.span_before_latest_s().filter(|span_s| span_s[0] >= self.doubts.ended_s);
-        let (way, flow) = match span_s {
-            Some([from_s, to_s]) => {
-                let is_believed = !self.slip.covers([from_s, to_s]);
-                let way = is_believed.then(|| self.wheels.way(from_s, to_s, wheels, reach)).flatten();
-                let heading = self.graph.frames.heading_before_latest();
-                (way, self.wheels.flow_way(from_s, to_s, heading, wheels, reach))
-            }
-            None => (None, None),
-        };
-        let error_s = self.graph.frames.latest_stamp_error_s();
-        let mut stray = Stray::by_reach(error_s, reach);
-        if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, wheels, reach) {
-            stray.radians = stray.radians.min(turn_rad);
-        }
+        let heading = self.graph.frames.heading_before_latest();
+        let (way, flow) = span_s.map_or((None, None), |span_s| self.ways(span_s, heading));
+        let stray = self.stray_at(stamp_s, self.graph.frames.latest_stamp_error_s());
         self.graph.frames.set_latest(way, flow, stray);
     }
 
@@ -185,7 +212,8 @@ impl Localizer {
             let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
             self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
         }
-        if let (Some(number), &[heading]) = (self.graph.older_number(), older) {
+        // Late readings may have become key frames since the program was made, so that the older one is no longer as many key frames old.
+        if let (Some(Variable::Pose(number, _)), &[heading]) = (hull.wanted().nth(3), older) {
             self.graph.frames.narrow_heading(number, heading);
         }
         let pose = IntervalBox::from([x, y, heading]);
