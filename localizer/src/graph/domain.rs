@@ -84,6 +84,8 @@ pub enum Constant {
     CeilingPosition(usize),
     /// Height of the ceiling camera above the floor at rest.
     CeilingHeight,
+    /// Position of the satellite navigation receiver's antenna in the robot frame: forward (0) or left (1).
+    GnssPosition(usize),
 }
 
 impl Variable {
@@ -154,6 +156,7 @@ impl Constant {
             Constant::CeilingTilt(_) => bounds::CEILING_CAMERA_TILT,
             Constant::CeilingPosition(_) => bounds::CEILING_CAMERA_POSITION,
             Constant::CeilingHeight => bounds::CEILING_CAMERA_HEIGHT,
+            Constant::GnssPosition(_) => bounds::GNSS_ANTENNA,
         }
     }
 }

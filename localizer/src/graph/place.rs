@@ -1,4 +1,5 @@
-//! Rows of a point of the building that a camera on the robot sees.
+//! Rows of a point of the world that a camera on the robot sees, or that is on the robot itself and whose place in the world is known, as that of an
+//! antenna.
 //!
 //! Let P and θ be the robot's position and heading at the stamp, W the point in the world, and a the point in the robot frame turned by the error of
 //! the camera's yaw, ψ = θ + yaw − nominal yaw. Then W − P = R(ψ)·a. The camera's model gives a to first order: a = a₀ + Σ S·(v − v₀) + noise, with
@@ -24,8 +25,8 @@ use super::{
 pub struct SeenPlace {
     /// Name of the camera, as in the names of its bounds.
     pub device: &'static str,
-    /// The camera's rotation about the vertical, and its nominal value.
-    pub yaw: (Constant, f64),
+    /// The camera's rotation about the vertical, and its nominal value; `None` where the place is known in the robot frame itself.
+    pub yaw: Option<(Constant, f64)>,
     /// The place, forward and left, where every quantity has the value that it is counted from.
     pub middle_m: [Interval; 2],
     /// Quantities that the place depends on, each with the value that it is counted from, and the derivatives of forward and left. A quantity of a
@@ -63,7 +64,8 @@ impl SeenPlace {
         yaw_rad: Interval,
         (at_m, columns): ([f64; 2], [[Interval; 2]; 2]),
     ) {
-        let error = yaw_rad - self.yaw.1;
+        let nominal_rad = self.yaw.map_or(0.0, |(_, nominal_rad)| nominal_rad);
+        let error = yaw_rad - nominal_rad;
         let (cos, sin) = (error.cos(), error.sin());
         let along = |m: [Interval; 2]| [0, 1].map(|axis| columns[0][axis] * m[0] + columns[1][axis] * m[1]);
         let middle_m = position_m.map(Interval::mid);
@@ -73,13 +75,17 @@ impl SeenPlace {
         self.terms.push((Variable::Constant(position[1]), middle_m[1], along([sin, cos])));
         let [forward, left] = position_m;
         let by_yaw = along([left * cos - forward * sin, -(forward * cos + left * sin)]);
-        self.terms.push((Variable::Constant(self.yaw.0), self.yaw.1, by_yaw));
+        self.terms.extend(self.yaw.map(|(yaw, nominal_rad)| (Variable::Constant(yaw), nominal_rad, by_yaw)));
     }
 
     /// The point at a key frame, whose pose in the domain is that of the picture.
     pub fn at<'a>(&'a self, frame: usize, domain: &'a Domain) -> PlaceAt<'a> {
-        let (heading, yaw) = (Variable::Pose(frame, 2), Variable::Constant(self.yaw.0));
-        let psi = Interval::point(domain.reference(heading)) + domain.reference(yaw) - self.yaw.1;
+        let heading = Variable::Pose(frame, 2);
+        let (mut psi, mut delta) = (Interval::point(domain.reference(heading)), domain.deviation(heading));
+        if let Some((yaw, nominal_rad)) = self.yaw {
+            psi = psi + domain.reference(Variable::Constant(yaw)) - nominal_rad;
+            delta += domain.deviation(Variable::Constant(yaw));
+        }
         let (mut at_reference_m, mut over_box_m) = (self.middle_m, self.middle_m);
         for &(variable, about, slopes) in &self.terms {
             let variable = variable.at_frame(frame);
@@ -93,15 +99,7 @@ impl SeenPlace {
         for &(slopes, noise, _) in &self.noise_m {
             (0..2).for_each(|axis| over_box_m[axis] += slopes[axis] * noise);
         }
-        PlaceAt {
-            seen: self,
-            domain,
-            frame,
-            axes: axes(psi),
-            delta: domain.deviation(heading) + domain.deviation(yaw),
-            at_reference_m,
-            over_box_m,
-        }
+        PlaceAt { seen: self, domain, frame, axes: axes(psi), delta, at_reference_m, over_box_m }
     }
 }
 
@@ -137,7 +135,7 @@ impl PlaceAt<'_> {
             terms.push((variable.at_frame(frame), -dot(in_picture, slopes)));
         }
         terms.push((Variable::Pose(frame, 2), -left_0));
-        terms.push((Variable::Constant(self.seen.yaw.0), -left_0));
+        terms.extend(self.seen.yaw.map(|(yaw, _)| (Variable::Constant(yaw), -left_0)));
         sides += dot(in_picture, self.at_reference_m);
         let mut parts = Vec::new();
         for &(slopes, noise, bound) in &self.seen.noise_m {

@@ -123,7 +123,7 @@ impl Row {
 
     /// Half of the width of the sides that declared bounds make; for tests.
     #[cfg(test)]
-    pub(super) fn named_half(&self) -> f64 {
+    pub(crate) fn named_half(&self) -> f64 {
         self.parts.iter().map(|(_, half)| half).sum()
     }
 

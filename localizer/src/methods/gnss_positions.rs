@@ -7,10 +7,15 @@
 //!
 //! Positions of the last seconds are held. With the robot's motion since a held position, a displacement m and a turn δ, the antenna of
 //! that time lies at R(−δ)(b − m) as seen from the robot at the latest stamp, and in the world where the receiver reported it: another
-//! landmark of the same rigid motion. In this way the path between positions tells the heading.
+//! landmark of the same rigid motion. In this way the path between positions tells the heading. Once the heading is known to some degrees, the
+//! graph of key frames relates positions over minutes in the same way.
 //!
 //! A receiver says of each position whether its ambiguities are resolved (*fixed*) or not (*floating*), and each of the two grades has a
 //! bound of its own.
+
+mod relate;
+
+use std::sync::Arc;
 
 use interval::Interval;
 
@@ -24,6 +29,7 @@ use crate::{
 };
 
 use super::window::Window;
+use relate::AntennaAt;
 
 /// Name of the satellite navigation receiver as a device whose readings the method uses.
 pub const DEVICE: &str = "gnss";
@@ -111,12 +117,18 @@ impl GnssPositions {
     /// Interval of the antenna's place in the robot frame, seen from above: a body that leans by up to φ shifts the antenna, at the height
     /// h, by up to h·sin φ to any side, and foreshortens its lever arm b by up to |b|·(1 − cos φ).
     fn antenna_m(&self) -> [Interval; 2] {
+        let [forward, left] = self.receiver.position_m;
+        let beside = self.lean_m();
+        [forward + beside, left + beside]
+    }
+
+    /// How far the body's lean may displace the antenna forward or left, as an interval around 0.
+    fn lean_m(&self) -> Interval {
         let lean = Interval::new(0.0, self.robot.body.tilt_rad);
         let [forward, left] = self.receiver.position_m;
         let lever = Interval::point(forward.magnitude()) + Interval::point(left.magnitude());
         let shift = Interval::point(self.receiver.height_m) * lean.sin() + lever * (Interval::point(1.0) - lean.cos());
-        let beside = Interval::new(-shift.hi(), shift.hi());
-        [forward + beside, left + beside]
+        Interval::new(-shift.hi(), shift.hi())
     }
 
     /// Position of the antenna before a motion of the robot, in the frame of the robot after it.
@@ -178,6 +190,13 @@ impl Method for GnssPositions {
             // A single position leaves the heading open, but the many positions during a doubt about a failed assumption do not. So a
             // position counts as evidence to end the doubt, unless it is floating and soon after another.
             decides: !is_alike,
+            relations: Some(Arc::new(AntennaAt {
+                told_m: told.at_m,
+                within: (grade, within_m),
+                position_m: self.receiver.position_m,
+                lean_m: self.lean_m(),
+                stamp_error_s: self.receiver.stamp_error_s,
+            })),
             // Claims are assertions of what a camera saw, so that a satellite position has none: it is wrong only where its error exceeds
             // the declared bound.
             ..Constraint::new(self.name(), *measured_s, RigidPlanar::new(&landmarks))

@@ -135,7 +135,7 @@ impl Optics {
         let column = |parameter: usize| [0, 1].map(|axis| sight.slopes[axis][parameter]);
         let mut place = SeenPlace {
             device: Camera::Ceiling.device(),
-            yaw: (Constant::CeilingYaw, self.yaw_rad.mid()),
+            yaw: Some((Constant::CeilingYaw, self.yaw_rad.mid())),
             middle_m: sight.middle_m,
             terms: Vec::new(),
             noise_m: PIXEL.iter().map(|&parameter| (column(parameter), sight.deviations[parameter], None)).collect(),

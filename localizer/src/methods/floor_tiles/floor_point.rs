@@ -64,7 +64,7 @@ pub(super) fn floor_place(set: &LineSet, along_px: f64, geometry: &Geometry) -> 
     let across_mid = crossing.across_px.mid();
     let mut place = SeenPlace {
         device: Camera::Floor.device(),
-        yaw: (Constant::FloorYaw, camera.yaw_rad.mid()),
+        yaw: Some((Constant::FloorYaw, camera.yaw_rad.mid())),
         middle_m: floor_point(&middles, camera)?.map(|number| number.value),
         terms: Vec::new(),
         noise_m: vec![
