@@ -50,13 +50,15 @@ pub struct Context<'a> {
     /// known which: for spans during that doubt, and for spans that began before its end, the motion comes from the robot's limits of speed and turn
     /// rate.
     pub motion: MotionBetween<'a>,
+    /// Markers that earlier contradictions showed not to be where the map has them. What a reading shows of them is left out.
+    pub set_aside: &'a [MarkerId],
 }
 
 impl<'a> Context<'a> {
     /// The context of a robot at rest of whose motion before nothing is remembered.
     pub fn at_rest(prior: &'a PoseUnion) -> Context<'a> {
         const REST: Twist = Twist { forward_m_per_s: 0.0, turn_rad_per_s: 0.0 };
-        Context { prior, twist: &REST, motion: &|_, _| None }
+        Context { prior, twist: &REST, motion: &|_, _| None, set_aside: &[] }
     }
 }
 
@@ -112,6 +114,8 @@ pub struct Constraint {
     /// Contractor from this reading alone. Present where `on_pose` also uses earlier readings, which were carried to the stamp by the robot's motion
     /// in between: under a hypothesis that this motion was wrong, only this part is used.
     pub by_itself: Option<OnPose>,
+    /// For each marker of a reading that shows several, the contractor from it alone: where one of them is taken to be misplaced, the others are used.
+    pub by_marker: Vec<(MarkerId, OnPose)>,
     /// Whether the constraint restricts the heading alone, at any x and y.
     pub heading_only: bool,
     /// The declared bounds that the constraint relies on.
@@ -141,6 +145,7 @@ impl Constraint {
             stamp_s,
             on_pose: Box::new(on_pose),
             by_itself: None,
+            by_marker: Vec::new(),
             heading_only: false,
             relies_on: Vec::new(),
             claims: Vec::new(),

@@ -98,7 +98,7 @@ impl Localizer {
             let contracted = match &slot.constraint {
                 Some(constraint) if failed == Failed::Memory && predicted.is_empty() => self.located(constraint),
                 Some(constraint) if !self.hypotheses[hypothesis].disbelieves(&slot.witnesses) => {
-                    contract_union(&predicted, self.hypotheses[hypothesis].believed(constraint))
+                    self.hypotheses[hypothesis].contracted(&predicted, constraint)
                 }
                 _ => predicted.clone(),
             };

@@ -70,7 +70,8 @@ impl Localizer {
             motion[2] = motion[2].intersect(turn?);
             Some(motion)
         };
-        self.methods[method].constrain(reading, &Context { prior, twist: &twist, motion: &motion })
+        self.methods[method]
+            .constrain(reading, &Context { prior, twist: &twist, motion: &motion, set_aside: &self.set_aside })
     }
 
     /// Lets a method learn from the reading that it constrained last, unless an assumption is doubted; returns the landmarks that it knows then.

@@ -1,10 +1,12 @@
 //! Doubt after an assumption failed: what may have failed, how each hypothesis explains the readings, and when one of them is believed.
 //!
-//! An empty intersection proves that some assumption is false, but not which. Until that is known, three hypotheses are followed side by side, and
+//! An empty intersection proves that some assumption is false, but not which. Until that is known, several hypotheses are followed side by side, and
 //! the estimate is the union of the poses that each of them leaves: if one of them is right, the true pose is in the union.
 //!
 //! - *Reading*: the reading that gave the contradiction is false, because of a wrong claim or a thing that is not where the map has it. Everything
 //!   else holds.
+//! - *Markers*: some of the markers seen lately are not where the map has them. Everything else holds, other markers in the same images included. There
+//!   is one such hypothesis for each smallest set of markers without which nothing contradicts anything.
 //! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach (the robot's physical limits of motion) alone
 //!   bounds the motion.
 //! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the latest
@@ -12,11 +14,11 @@
 //!
 //! Each reading agrees with a hypothesis or contradicts it. It counts as a witness: the witness is the marker that the reading shows, or else the
 //! reading itself, so that two readings of one misplaced marker count once. Two witnesses refute a hypothesis. A hypothesis is believed once two
-//! witnesses agree with it and no other hypothesis puts the robot elsewhere.
+//! witnesses agree with it and no other hypothesis puts the robot elsewhere. If it is *markers*, these markers are set aside for the rest of the drive.
 
 use interval::{Interval, IntervalBox};
 
-use crate::{Constraint, PoseUnion};
+use crate::{Constraint, PoseUnion, markers::MarkerId};
 
 use super::{
     Localizer, REMEMBER_S,
@@ -49,13 +51,17 @@ const MOST_TURNS: f64 = 4.0;
 /// What a reading says about each hypothesis on what failed; determined before the reading's constraint is applied.
 pub(super) struct Evidence {
     stamp_s: f64,
-    witnesses: Vec<Witness>,
+    /// For each hypothesis on what failed, the reading's witnesses that tell something under it.
+    witnesses: Vec<Vec<Witness>>,
     /// Whether the reading restricts the pose enough to count as support for a hypothesis.
     decides: bool,
     /// For each hypothesis on what failed, whether the motion by the wheels leads from its poses at the previous image to poses that the reading
     /// allows.
     agrees: Vec<bool>,
 }
+
+/// Greatest number of markers that are taken to be misplaced together.
+const MOST_MISPLACED: usize = 2;
 
 /// When earlier doubts about an assumption took place, and how far back they reached.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +91,8 @@ impl Localizer {
             return;
         }
         self.note_contradiction(contradicting_s.map_or(Intersected::Known, Intersected::Constraint), None);
-        let is_again = self.now_s - self.doubts.ended_s < DOUBT_AGAIN_S;
+        let ended_s = self.doubts.ended_s;
+        let is_again = self.now_s - ended_s < DOUBT_AGAIN_S;
         let depth_s = if is_again { (2.0 * self.doubts.depth_s).min(REMEMBER_S) } else { 0.0 }.max(DOUBT_S);
         self.doubts = Doubts { depth_s, ended_s: f64::NEG_INFINITY, ..self.doubts };
         self.relies_on.retain(|assumption| !WHEELS.contains(assumption));
@@ -95,6 +102,7 @@ impl Localizer {
         let renewed_s = self.unlearn_deeper();
         let doubtful_s = self.now_s - depth_s;
         self.ring.drop_anchors_after(doubtful_s);
+        let corrections = self.markers_that_explain(ended_s);
 
         // The hypothesis of a false reading is followed from that reading on, or from the first constraint on that relied on something just unlearnt,
         // if that constraint is earlier.
@@ -120,6 +128,10 @@ impl Localizer {
                 self.hypotheses[hypothesis].contradict(&against.witnesses);
             }
         }
+        for (hypothesis, unions) in corrections {
+            self.hypotheses.push(hypothesis);
+            self.ring.iter_mut().zip(unions).for_each(|(slot, union)| slot.unions.push(union));
+        }
         self.drop_refuted();
         self.restart_integral();
         let explained = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s));
@@ -127,6 +139,45 @@ impl Localizer {
         if self.current.is_empty() {
             self.begin_anywhere();
         }
+    }
+
+    /// The smallest sets of markers without whose images nothing since the last doubt contradicts anything, each with the pose unions of all slots under
+    /// the hypothesis that these markers are misplaced. The slots hold what was believed.
+    fn markers_that_explain(&mut self, ended_s: f64) -> Vec<(Hypothesis, Vec<PoseUnion>)> {
+        let mut seen: Vec<MarkerId> = Vec::new();
+        for marker in self.ring.iter_mut().filter_map(|slot| slot.constraint.as_ref()).flat_map(named) {
+            if let Witness::Marker(marker) = marker
+                && !seen.contains(&marker)
+            {
+                seen.push(marker);
+            }
+        }
+        let mut sets: Vec<Vec<MarkerId>> = vec![Vec::new()];
+        for _ in 0..MOST_MISPLACED {
+            let larger = |set: &Vec<MarkerId>| {
+                let later = seen.iter().position(|marker| set.last() == Some(marker)).map_or(0, |last| last + 1);
+                let larger = |&marker: &MarkerId| set.iter().copied().chain([marker]).collect();
+                seen[later..].iter().map(larger).collect::<Vec<Vec<MarkerId>>>()
+            };
+            sets = sets.iter().flat_map(larger).collect();
+            let explained: Vec<(Hypothesis, Vec<PoseUnion>)> =
+                sets.iter().filter_map(|set| self.explained_without(set, ended_s)).collect();
+            if !explained.is_empty() {
+                return explained;
+            }
+        }
+        Vec::new()
+    }
+
+    /// The hypothesis that the given markers are misplaced, with the pose unions of all slots under it; `None` if something contradicts it.
+    fn explained_without(&mut self, markers: &[MarkerId], from_s: f64) -> Option<(Hypothesis, Vec<PoseUnion>)> {
+        self.hypotheses.push(Hypothesis::of_markers(markers.to_vec()));
+        self.ring.iter_mut().for_each(|slot| slot.unions.push(slot.unions[0].clone()));
+        let tried = self.hypotheses.len() - 1;
+        let is_contradicted = !self.replay(tried, from_s).is_empty();
+        let hypothesis = self.hypotheses.pop();
+        let unions: Vec<PoseUnion> = self.ring.iter_mut().filter_map(|slot| slot.unions.pop()).collect();
+        hypothesis.filter(|_| !is_contradicted).map(|hypothesis| (hypothesis, unions))
     }
 
     /// Begins the doubt anew, with the robot anywhere in the room, because no hypothesis about what failed leaves any pose.
@@ -191,7 +242,7 @@ impl Localizer {
     pub(super) fn evidence(&self, constraint: &Constraint, witnesses: &[Witness]) -> Option<Evidence> {
         self.is_doubted().then(|| Evidence {
             stamp_s: constraint.stamp_s,
-            witnesses: witnesses.to_vec(),
+            witnesses: self.hypotheses.iter().map(|hypothesis| hypothesis.heard(witnesses)).collect(),
             decides: constraint.decides,
             agrees: (0..self.hypotheses.len())
                 .map(|hypothesis| self.agrees_with_wheels(hypothesis, constraint))
@@ -205,7 +256,8 @@ impl Localizer {
         let mut n_against = 0;
         let n_hypotheses = self.hypotheses.len();
         for hypothesis in 0..n_hypotheses {
-            if self.hypotheses[hypothesis].disbelieves(&evidence.witnesses) {
+            let witnesses = &evidence.witnesses[hypothesis];
+            if witnesses.is_empty() {
                 self.replay(hypothesis, from_s);
                 continue;
             }
@@ -221,13 +273,13 @@ impl Localizer {
             let is_against = contradicting.contains(&evidence.stamp_s);
             n_against += usize::from(is_against);
             if is_against && weighed.failed != Failed::Memory {
-                weighed.contradict(&evidence.witnesses);
+                weighed.contradict(witnesses);
             } else if agrees {
-                weighed.agree(&evidence.witnesses, evidence.stamp_s);
+                weighed.agree(witnesses, evidence.stamp_s);
             } else if evidence.decides && weighed.failed == Failed::Memory && !is_lost {
                 // Under the hypothesis that everything known was false, the reading by which the robot's place was found anew is the first witness in
                 // support.
-                weighed.note(&evidence.witnesses);
+                weighed.note(witnesses);
             }
         }
         self.drop_refuted();
@@ -274,6 +326,10 @@ impl Localizer {
         if last.unions.iter().any(is_elsewhere) {
             return;
         }
+        // To leave out readings assumes nothing, so that this is right whichever hypothesis is.
+        let supported =
+            self.hypotheses.iter().zip(&last.unions).filter(|(one, union)| one.is_supported() && !union.is_empty());
+        self.set_aside.extend(supported.flat_map(|(one, _)| &one.misplaced));
         // If everything known before was false, the heading fixes of that time and what was learnt from them are false as well.
         if let (Failed::Memory, Some(fixes)) = (hypothesis.failed, &mut self.fixes) {
             fixes.forget_since(f64::NEG_INFINITY);
@@ -293,7 +349,7 @@ impl Localizer {
     fn agrees_with_wheels(&self, hypothesis: usize, constraint: &Constraint) -> bool {
         let Some(before) = self.ring.image_before(constraint.stamp_s) else { return false };
         self.carried(&before.unions[hypothesis], before.stamp_s, constraint.stamp_s, false)
-            .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
+            .is_some_and(|predicted| !self.hypotheses[hypothesis].contracted(&predicted, constraint).is_empty())
     }
 
     /// Lets the methods unlearn what they learnt in the last seconds. A push by less than the pose box's width may go unnoticed for a long time,

@@ -1,8 +1,8 @@
 //! Hypotheses about which assumption failed after readings contradicted each other, and the readings that support or contradict each hypothesis.
 
-use interval::contractor::Contractor;
+use crate::{Constraint, PoseUnion, markers::MarkerId, method::Claim};
 
-use crate::{Constraint, markers::MarkerId, method::Claim};
+use super::carrying::contract_union;
 
 /// Number of witnesses (markers or whole readings) that confirm or refute a hypothesis; no two of them have anything in common. No declared bound
 /// lets a whole reading be wrong: one may be because an assumption failed, but two are not by chance.
@@ -15,6 +15,8 @@ pub(super) enum Failed {
     Nothing,
     /// Hypothesis that the reading that contradicted what was known is false.
     Reading,
+    /// Hypothesis that some markers are not where the map has them.
+    Markers,
     /// Hypothesis that wheels or flow sensor broke their declared bounds in the last second or seconds.
     Motion,
     /// Hypothesis that everything that was known about the pose before the contradiction is false.
@@ -25,8 +27,11 @@ pub(super) enum Failed {
 #[derive(Clone, Debug)]
 pub(super) struct Hypothesis {
     pub(super) failed: Failed,
-    /// Witnesses (markers or whole readings) that have agreed with the hypothesis since a reading last disagreed with it.
-    agreeing: Vec<Witness>,
+    /// The markers that are not where the map has them by this hypothesis; none if it says that something else failed.
+    pub(super) misplaced: Vec<MarkerId>,
+    /// For each reading that has agreed with the hypothesis since one last disagreed with it, its witnesses: the markers that it shows, or the reading
+    /// itself. No two of these readings have a witness in common.
+    agreeing: Vec<Vec<Witness>>,
     /// For each reading that contradicted the hypothesis, its witnesses: the markers that it shows, or the reading itself. No two of these readings
     /// have a witness in common.
     against: Vec<Vec<Witness>>,
@@ -41,10 +46,16 @@ pub(super) struct Hypothesis {
 impl Hypothesis {
     pub(super) fn new(failed: Failed) -> Self {
         let rolls_since_s = match failed {
-            Failed::Nothing | Failed::Reading => f64::NEG_INFINITY,
+            Failed::Nothing | Failed::Reading | Failed::Markers => f64::NEG_INFINITY,
             Failed::Motion | Failed::Memory => f64::INFINITY,
         };
-        Hypothesis { failed, agreeing: Vec::new(), against: Vec::new(), n_in_a_row: 0, rolls_since_s }
+        let (misplaced, agreeing, against) = (Vec::new(), Vec::new(), Vec::new());
+        Hypothesis { failed, misplaced, agreeing, against, n_in_a_row: 0, rolls_since_s }
+    }
+
+    /// The hypothesis that the given markers are not where the map has them.
+    pub(super) fn of_markers(misplaced: Vec<MarkerId>) -> Self {
+        Hypothesis { misplaced, ..Hypothesis::new(Failed::Markers) }
     }
 
     /// Whether the hypothesis takes the robot's motion from a given stamp on from the wheels.
@@ -58,12 +69,28 @@ impl Hypothesis {
         self.failed == Failed::Reading && self.knows_any(witnesses)
     }
 
-    /// The part of a constraint that this hypothesis applies. A hypothesis that the motion or everything known was false applies no part that relies
-    /// on motion.
-    pub(super) fn believed<'a>(&self, constraint: &'a Constraint) -> &'a (dyn Contractor<3> + Send + Sync) {
+    /// The poses of a union that the part of a constraint allows which this hypothesis believes. A hypothesis that the motion or everything known was
+    /// false applies no part that relies on motion, and one that markers are misplaced no part by these markers.
+    pub(super) fn contracted(&self, union: &PoseUnion, constraint: &Constraint) -> PoseUnion {
+        if named(constraint).iter().any(|marker| self.is_misplaced(marker)) {
+            let others = constraint.by_marker.iter().filter(|(marker, _)| !self.misplaced.contains(marker));
+            return others.fold(union.clone(), |union, (_, on_pose)| contract_union(&union, on_pose.as_ref()));
+        }
         let by_itself =
             constraint.by_itself.as_ref().filter(|_| matches!(self.failed, Failed::Motion | Failed::Memory));
-        by_itself.unwrap_or(&constraint.on_pose).as_ref()
+        contract_union(union, by_itself.unwrap_or(&constraint.on_pose).as_ref())
+    }
+
+    /// Those of a reading's witnesses that tell something under this hypothesis.
+    pub(super) fn heard(&self, witnesses: &[Witness]) -> Vec<Witness> {
+        if self.disbelieves(witnesses) {
+            return Vec::new();
+        }
+        witnesses.iter().filter(|witness| !self.is_misplaced(witness)).copied().collect()
+    }
+
+    fn is_misplaced(&self, witness: &Witness) -> bool {
+        matches!(witness, Witness::Marker(marker) if self.misplaced.contains(marker))
     }
 
     fn knows_any(&self, witnesses: &[Witness]) -> bool {
@@ -89,7 +116,7 @@ impl Hypothesis {
     pub(super) fn disagree(&mut self) {
         self.agreeing.clear();
         self.n_in_a_row = 0;
-        if self.failed != Failed::Reading {
+        if !matches!(self.failed, Failed::Reading | Failed::Markers) {
             self.rolls_since_s = f64::INFINITY;
         }
     }
@@ -104,10 +131,8 @@ impl Hypothesis {
     }
 
     pub(super) fn note(&mut self, witnesses: &[Witness]) {
-        for witness in witnesses {
-            if !self.agreeing.contains(witness) {
-                self.agreeing.push(*witness);
-            }
+        if !self.agreeing.iter().flatten().any(|known| witnesses.contains(known)) {
+            self.agreeing.push(witnesses.to_vec());
         }
     }
 }

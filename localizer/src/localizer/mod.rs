@@ -23,6 +23,7 @@ use interval::Interval;
 use crate::{
     Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
+    markers::MarkerId,
     method::Memory,
     motion::{SlipExcess, WheelHistory, WheelIntegral, moved_union, reach_motion},
 };
@@ -88,6 +89,8 @@ pub struct Localizer {
     hypotheses: Vec<Hypothesis>,
     /// When the last doubt about an assumption ended, and how far back it reached.
     doubts: Doubts,
+    /// Markers that doubts showed not to be where the map has them: their readings are left out for the rest of the drive.
+    set_aside: Vec<MarkerId>,
     /// Time spans in which wheels and flow sensor contradicted each other, which proves that the wheels slipped.
     slip: CertifiedSlip,
     /// Earliest stamp of a gyroscope or flow reading that arrived after poses at later stamps had been predicted without it; infinite if there is
@@ -124,6 +127,7 @@ impl Localizer {
             now_s: 0.0,
             hypotheses: vec![Hypothesis::new(Failed::Nothing)],
             doubts: Doubts::default(),
+            set_aside: Vec::new(),
             stale_s: f64::INFINITY,
             fixes: None,
             naming: Naming::default(),
@@ -146,6 +150,7 @@ impl Localizer {
         self.now_s = 0.0;
         self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];
         self.doubts = Doubts::default();
+        self.set_aside.clear();
         self.slip = CertifiedSlip::new(memory_s(&self.robot));
         self.stale_s = f64::INFINITY;
         self.relies_on = assumptions(&self.robot);

@@ -134,8 +134,18 @@ impl CeilingMarkers {
         let reach = &self.robot.reach;
         let stamp_s_error = self.camera.stamp_error_s;
         let stamp = [reach.speed_m_per_s * stamp_s_error, reach.turn_rate_rad_per_s * stamp_s_error];
+        let alone = |dots: &Vec<SeenDot>| {
+            Markers::new(std::slice::from_ref(dots), self.map.placement_m, self.camera.q_items, self.yaw_error(), stamp)
+        };
+        let seen_alone = dots.iter().zip(&claims).filter(|_| dots.len() > 1 && dots.len() == claims.len());
+        let by_marker = seen_alone.filter_map(|(dots, claim)| match claim {
+            Claim::Marker { marker, .. } => Some((*marker, Box::new(alone(dots)?) as Box<_>)),
+            _ => None,
+        });
+        let by_marker = by_marker.collect();
         let on_pose = Markers::new(&dots, self.map.placement_m, self.camera.q_items, self.yaw_error(), stamp)?;
         Some(Constraint {
+            by_marker,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.camera.q_items),
@@ -229,6 +239,13 @@ impl Method for CeilingMarkers {
     }
 
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
-        self.constraint(reading.measured_s(), self.look(reading, context.twist)?)
+        let mut found = self.look(reading, context.twist)?;
+        found.markers.retain(|marker| {
+            let is_set_aside = context.set_aside.contains(&marker.id);
+            let [u, v] = marker.centre_px();
+            found.rejected_px.extend(is_set_aside.then_some([u, v, u, v]));
+            !is_set_aside
+        });
+        self.constraint(reading.measured_s(), found)
     }
 }
