@@ -159,3 +159,6 @@ impl PlaceAt<'_> {
         (self.over_box_m[0].hypot(self.over_box_m[1]) * self.seen.turn_rad).hi()
     }
 }
+
+#[cfg(test)]
+mod remainders;

@@ -76,7 +76,7 @@ pub(crate) fn tilt(draw: &mut Draw, most_rad: f64) -> (Rotation3<f64>, [f64; 2])
 }
 
 /// The range camera of the tests, whose bounds are those that each test puts into its domain.
-pub(super) fn camera() -> RangeCameraModel {
+pub(crate) fn camera() -> RangeCameraModel {
     RangeCameraModel {
         focal_px: Interval::centred(400.0, 0.4),
         baseline_m: Interval::centred(0.12, 0.0003),
@@ -104,7 +104,7 @@ const NOISE_RAD_PER_S: f64 = 0.004;
 /// Bound `gyro.angle` in the tests: its constant part, and its part for each second.
 const ANGLE_RAD: [f64; 2] = [0.0004, 0.0001];
 
-pub(super) fn wheels() -> WheelModel {
+pub(crate) fn wheels() -> WheelModel {
     WheelModel {
         radius_m: [Interval::centred(0.05, 0.0001); 2],
         track_m: Interval::centred(0.33, 0.001),
@@ -117,11 +117,11 @@ pub(super) fn wheels() -> WheelModel {
     }
 }
 
-pub(super) fn reach() -> Reach {
+pub(crate) fn reach() -> Reach {
     Reach { speed_m_per_s: 2.0, turn_rate_rad_per_s: 4.0, acceleration_m_per_s2: ACCELERATION_M_PER_S2 * (1.0 + SLIP) }
 }
 
-pub(super) fn gyro(has_angle: bool) -> GyroModel {
+pub(crate) fn gyro(has_angle: bool) -> GyroModel {
     GyroModel {
         bias_rad_per_s: Interval::centred(0.001, 0.002),
         scale: Interval::centred(1.0, 0.003),
@@ -134,7 +134,7 @@ pub(super) fn gyro(has_angle: bool) -> GyroModel {
 }
 
 /// A robot with wheels, gyroscope and flow sensor.
-pub(super) fn robot() -> RobotModel {
+pub(crate) fn robot() -> RobotModel {
     RobotModel {
         wheels: wheels(),
         reach: reach(),

@@ -159,6 +159,9 @@ pub(super) fn gyro_rows(read: &GyroTurn, span_s: f64, [from, to]: [usize; 2], do
 }
 
 #[cfg(test)]
+mod remainders;
+
+#[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;

@@ -226,3 +226,7 @@ impl Localizer {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

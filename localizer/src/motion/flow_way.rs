@@ -230,3 +230,7 @@ impl ProfileStep {
 const ABOVE: f64 = 1.0 + 1e-9;
 /// Share of the path by which sums over all steps may be off by rounding: far more than a thousand roundings make.
 const ROUNDING: f64 = 1e-12;
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod remainders;

@@ -249,3 +249,6 @@ impl Sides {
 const ABOVE: f64 = 1.0 + 1e-9;
 /// Share of the path by which sums over all steps may be off by rounding: far more than a thousand roundings make.
 const ROUNDING: f64 = 1e-12;
+
+#[cfg(test)]
+mod remainders;

@@ -204,3 +204,7 @@ impl KeyFrame {
         rows
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

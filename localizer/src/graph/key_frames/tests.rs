@@ -56,10 +56,10 @@ fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_wh
 }
 
 /// The greatest displacement and turn between a pose that is read and the pose at its stamp.
-const OFF: Stray = Stray { metres: 0.01, radians: 0.005 };
+pub(super) const OFF: Stray = Stray { metres: 0.01, radians: 0.005 };
 
 /// A reading of the pose, displaced and turned.
-struct Displaced([f64; 3]);
+pub(super) struct Displaced(pub(super) [f64; 3]);
 
 impl Relations for Displaced {
     fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {

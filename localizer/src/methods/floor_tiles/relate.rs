@@ -300,4 +300,23 @@ mod tests {
         }
         assert!(n_rows > 8_000 && nearest > 0.95, "{n_rows} rows, {nearest}");
     }
+
+    #[test]
+    fn a_short_joint_of_a_turned_grid_is_as_far_off_at_the_rooms_extent_as_its_angle_takes_it() {
+        // A room of 4 m by 4 m, with a grid at 45° from a corner. A joint that is 0.25 m from the corner ends at walls, 0.25 m on either side of the
+        // diagonal. There it is 3 mm off its place, at one end to one side, at the other to the other: it lies at 12 mrad to its nominal direction.
+        // The extent of the room along it goes to 2.83 m on either side, where that makes 33.9 mm.
+        let mut geometry = (*method(&known_robot(1.0, [0.0; 5], 0.0, 0.0), Chain::Direct).geometry).clone();
+        geometry.room_m = [Interval::new(0.0, 4.0); 2];
+        geometry.grid.rotation_rad = PI / 4.0;
+        geometry.grid.laying_m = 0.003;
+        geometry.grid.laying_angle_rad = 0.012;
+        let extent = geometry.extent_m(1);
+        assert!((extent.hi() - 8.0_f64.sqrt()).abs() < 1e-9 && (extent.lo() + extent.hi()).abs() < 1e-9, "{extent}");
+        let off_m = 0.003 / 0.25 * extent.hi();
+        assert!(geometry.end_off_m(0) >= off_m && geometry.end_off_m(1) >= off_m, "{off_m}");
+        // Of a grid along the walls, joints end at the extent.
+        geometry.grid.rotation_rad = 0.0;
+        assert!((geometry.end_off_m(0) - 0.003).abs() < 1e-12);
+    }
 }

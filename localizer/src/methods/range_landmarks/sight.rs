@@ -243,3 +243,6 @@ impl Seen {
 fn length(vector: [Interval; 2]) -> f64 {
     vector[0].hypot(vector[1]).hi()
 }
+
+#[cfg(test)]
+mod remainders;

@@ -1,0 +1,59 @@
+//! Tests of what the localizer tells the key frames.
+
+use interval::Interval;
+
+use super::*;
+use crate::{
+    Map, PoseBox,
+    graph::{
+        Domain, Row,
+        trial::{gyro, robot},
+    },
+    robot::GyroModel,
+};
+
+/// Greatest error of the stamp of a compass.
+const STAMP_ERROR_S: f64 = 0.01;
+
+/// A reading of the heading.
+struct Compass;
+
+impl Relations for Compass {
+    fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        Vec::new()
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        STAMP_ERROR_S
+    }
+
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        stray.metres
+    }
+
+    fn rows(&self, frame: usize, _domain: &Domain) -> Vec<Row> {
+        let terms = vec![(Variable::Pose(frame, 2), 1.0)];
+        vec![Row { terms, sides: Interval::centred(0.0, 0.001), parts: Vec::new(), devices: vec!["compass"] }]
+    }
+}
+
+#[test]
+fn a_reading_at_a_key_frame_may_be_turned_by_what_the_gyroscope_reads_within_its_stamps_error() {
+    // The robot turns at 1 rad/s, and the gyroscope errs by nothing: within 10 ms of the stamp it turns by 10 mrad. By its greatest turn rate alone
+    // it might be 40 mrad.
+    let still = GyroModel { bias_rad_per_s: Interval::ZERO, scale: Interval::ONE, noise_rad_per_s: 0.0, ..gyro(false) };
+    let mut robot = RobotModel { gyro: Some(still), flow: None, ..robot() };
+    robot.reach.acceleration_m_per_s2 = 0.0;
+    let pose = PoseBox::from([Interval::centred(0.0, 0.1); 3]);
+    let map = Map::of_room([Interval::new(-5.0, 5.0); 2]);
+    let mut localizer = Localizer::new(map, robot, Vec::new(), pose);
+    for step in 1..=100_u32 {
+        localizer.wheels.push_rate(0.01 * f64::from(step), 1.0);
+    }
+    let stray = Stray::by_reach(STAMP_ERROR_S, &localizer.robot.reach);
+    localizer.graph.frames.push(0.505, pose, stray, Some(Arc::new(Compass)));
+    localizer.learn_way();
+    let number = localizer.graph.frames.latest_number();
+    let turned = localizer.graph.frames.related(&[]).unwrap().domain.value(Variable::Shift(number, 2));
+    assert!(turned.contains(0.01) && turned.contains(-0.01) && turned.hi() < 0.0101, "{turned}");
+}
