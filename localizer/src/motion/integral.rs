@@ -64,6 +64,11 @@ impl WheelIntegral {
         self.latest.time_s
     }
 
+    /// Time since the start.
+    fn lasts_s(&self) -> f64 {
+        self.latest.time_s - self.start.time_s
+    }
+
     /// Greatest total turning since the start: a bound on ∫ |dφ|.
     pub(super) fn turning_rad(&self) -> f64 {
         self.turning_rad
@@ -141,7 +146,8 @@ impl WheelIntegral {
         let per_tick_m = wheels.metres_per_tick(wheel).hi();
         let counts = 1.0 + self.start.ticks_error + self.latest.ticks_error;
         let rolled_m = (self.path_ticks[wheel] + counts) * per_tick_m;
-        (counts * per_tick_m + wheels.slip_ratio * rolled_m + self.windows(wheels) * wheels.slip_floor_m) * ABOVE
+        (counts * per_tick_m + wheels.slip_ratio * rolled_m + wheels.windows(self.lasts_s()) * wheels.slip_floor_m)
+            * ABOVE
     }
 
     /// The part of the bound on the error of a wheel's travel since the start that slip makes.
@@ -155,7 +161,7 @@ impl WheelIntegral {
         let counts = 2.0 + self.start.ticks_error + self.latest.ticks_error;
         let rolled_m = 0.5
             * (0..2).map(|wheel| (self.path_ticks[wheel] + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
-        (wheels.side_slip_ratio * rolled_m + self.windows(wheels) * wheels.side_slip_floor_m) * ABOVE
+        (wheels.side_slip_ratio * rolled_m + wheels.windows(self.lasts_s()) * wheels.side_slip_floor_m) * ABOVE
     }
 
     /// Enclosure of the true travel of the axle's middle since the start.
@@ -179,13 +185,6 @@ impl WheelIntegral {
         (by_travel + path_m * (1.0 / track_m.lo() - 1.0 / track_m.hi())) * ABOVE
     }
 
-    /// Number of time windows, of the length for which the slip bounds are declared, that have begun since the integral's start.
-    fn windows(&self, wheels: &WheelModel) -> f64 {
-        // The quotient of time and window length is lowered by 10⁻⁶, so that a time of 0.2 s, which is inexact in binary, is one window of 0.2 s,
-        // not two.
-        ((self.latest.time_s - self.start.time_s) / wheels.slip_window_s - 1e-6).ceil().max(1.0)
-    }
-
     /// Turn in one step alone, with the slip of that step and with counts that are off by up to `counts`.
     pub(super) fn step_turn(&self, delta: [f64; 2], counts: f64, wheels: &WheelModel) -> Interval {
         let travel = [0, 1].map(|wheel| {
@@ -198,11 +197,23 @@ impl WheelIntegral {
     }
 }
 
+impl WheelModel {
+    /// Number of time windows, of the length for which the slip bounds are declared, that a span of time begins.
+    fn windows(&self, span_s: f64) -> f64 {
+        // The quotient of time and window length is lowered by 10⁻⁶, so that a time of 0.2 s, which is inexact in binary, is one window of 0.2 s,
+        // not two.
+        (span_s / self.slip_window_s - 1e-6).ceil().max(1.0)
+    }
+}
+
 /// Factor by which a sum of positive error bounds is increased, to make up for the few roundings of the sum.
 const ABOVE: f64 = 1.0 + 1e-12;
 
 /// Bound on |∫ (cos φ, sin φ) dS − chord| over one step, when speeds and turn rates change by at most their acceleration limits a and α:
-/// |D|·α·T²/8 + a·|ω|·T³/8, with the distance D, the turn rate ω and the duration T, for counts that are off by up to `counts`.
+/// P·α·T²/8 + a·|ω|·T³/8, with the length P of the path, the turn rate ω and the duration T, for counts that are off by up to `counts`.
+///
+/// The wheels' distance D is not the path: a robot that turns round within the step goes back and forth by at most a·T²/4, and it slips, which bends
+/// with the heading as what it rolls does: P ≤ |D| + a·T²/4 and the step's slip ahead and aside.
 pub(super) fn midpoint_remainder(
     delta: [f64; 2],
     counts: f64,
@@ -213,7 +224,13 @@ pub(super) fn midpoint_remainder(
 ) -> f64 {
     let acceleration = reach.acceleration_m_per_s2;
     let turn_acceleration = 2.0 * acceleration / wheels.track_m.lo();
-    let distance_m =
+    let rolled_m =
         0.5 * (0..2).map(|wheel| (delta[wheel].abs() + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
-    (distance_m * turn_acceleration * step_s * step_s + acceleration * turn_rad * step_s * step_s) / 8.0
+    let slip_m = (wheels.slip_ratio + wheels.side_slip_ratio) * rolled_m
+        + wheels.windows(step_s) * (wheels.slip_floor_m + wheels.side_slip_floor_m);
+    let path_m = rolled_m + slip_m + 0.25 * acceleration * step_s * step_s;
+    (path_m * turn_acceleration * step_s * step_s + acceleration * turn_rad * step_s * step_s) / 8.0
 }
+
+#[cfg(test)]
+mod remainders;

@@ -74,10 +74,20 @@ fn an_error_of_the_turn_at_the_begin_of_a_way_moves_it_aside() {
 #[test]
 fn turning_forth_and_back_within_a_step_moves_a_way_aside() {
     // In a step of 1 s and 1 m the turn rate falls from 0.06 to −0.06 rad/s, as an acceleration of 0.024 m/s² of the wheels 0.4 m apart allows: the
-    // heading is 0.06·t·(1 − t), on average 0.01 rad, which makes 10 mm. At most 0.12/8 rad of 1 m are allowed for.
+    // heading is 0.06·t·(1 − t), on average 0.01 rad, which makes 10 mm. At most 0.12/8 rad of 1.006 m are allowed for.
     let reach = Reach { acceleration_m_per_s2: 0.024, ..STEADY };
     let lateral_m = sides(&[(1.0, 0.0, 0.0)], 0.0, &exact(), &reach).lateral_m;
-    assert!(lateral_m.contains(0.01) && lateral_m.hi() < 0.015_01, "{lateral_m}");
+    assert!(lateral_m.contains(0.01) && lateral_m.hi() < 0.0151, "{lateral_m}");
+}
+
+#[test]
+fn driving_back_and_forth_and_turning_forth_and_back_within_a_step_moves_a_way_aside() {
+    // From t = −½ s to ½ s the speed goes evenly from −0.12 to 0.12 m/s, and the heading is 0.6·t·(½ + t) before 0 and 0.6·t·(½ − t) after it. The
+    // wheels accelerate by at most 0.48 m/s² and come back to where they began, the robot 2 · ∫ 0.6·t·(½ − t) · 0.24·t dt from 0 to ½ = 1.5 mm to the
+    // left of it.
+    let reach = Reach { acceleration_m_per_s2: 0.48, ..STEADY };
+    let lateral_m = sides(&[(0.0, 0.0, 0.0)], 0.0, &exact(), &reach).lateral_m;
+    assert!(lateral_m.contains(0.0015), "{lateral_m}");
 }
 
 #[test]
