@@ -100,7 +100,7 @@ impl WheelIntegral {
         // computed from the step's own ticks, which is much tighter than the difference of the two enclosures. A single tick of a coarse encoder
         // allows more turn than the robot can make in a step, so that what is known otherwise counts. Where the two exclude each other, a declared
         // bound is broken, and the turn by the ticks alone is kept: the turn since the start tells such contradictions.
-        let by_ticks_rad = self.step_turn(delta, counts, wheels);
+        let by_ticks_rad = self.step_turn(delta, counts, step_s, wheels);
         let both_rad = known.in_step_rad.map_or(by_ticks_rad, |turn_rad| by_ticks_rad.intersect(turn_rad));
         let step_turn_rad = if both_rad.is_empty() { by_ticks_rad } else { both_rad };
         let middle = (turn_before + self.turn_rad) * 0.5;
@@ -186,12 +186,12 @@ impl WheelIntegral {
     }
 
     /// Turn in one step alone, with the slip of that step and with counts that are off by up to `counts`.
-    pub(super) fn step_turn(&self, delta: [f64; 2], counts: f64, wheels: &WheelModel) -> Interval {
+    pub(super) fn step_turn(&self, delta: [f64; 2], counts: f64, step_s: f64, wheels: &WheelModel) -> Interval {
+        let floor_m = wheels.windows(step_s) * wheels.slip_floor_m;
         let travel = [0, 1].map(|wheel| {
             let per_tick = wheels.metres_per_tick(wheel);
             let rolled_m = (delta[wheel].abs() + counts) * per_tick.hi();
-            (per_tick * delta[wheel])
-                .inflate((counts * per_tick.hi() + wheels.slip_ratio * rolled_m + wheels.slip_floor_m) * ABOVE)
+            (per_tick * delta[wheel]).inflate((counts * per_tick.hi() + wheels.slip_ratio * rolled_m + floor_m) * ABOVE)
         });
         (travel[1] - travel[0]) / wheels.track_m
     }

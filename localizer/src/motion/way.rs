@@ -196,7 +196,7 @@ impl Sides {
             remainder_m += midpoint_remainder(
                 delta,
                 counts,
-                integral.step_turn(delta, counts, wheels).magnitude(),
+                integral.step_turn(delta, counts, step_s, wheels).magnitude(),
                 step_s,
                 wheels,
                 reach,

@@ -59,3 +59,14 @@ fn slip_while_the_robot_turns_forth_and_back_moves_it_aside() {
     assert!(half_m(&WheelModel { slip_ratio: 0.01, ..exact() }) > least_m + 0.0001);
     assert!(straight(1.0, 0.024, &WheelModel { side_slip_ratio: 0.01, ..exact() })[0].radius() > 0.01 * 0.01);
 }
+
+#[test]
+fn slip_in_a_step_that_is_longer_than_a_window_turns_the_robot_in_each_window() {
+    // Five windows of 0.2 s, in each of which the right wheel slips 1 mm ahead and the left one 1 mm back, 0.4 m apart: 10 mm make 25 mrad.
+    let wheels = WheelModel { slip_floor_m: 0.001, slip_window_s: 0.2, ..exact() };
+    let integral = WheelIntegral::new(WheelSample { time_s: 0.0, ticks: [0.0; 2], ticks_error: 0.0 });
+    let turn_rad = integral.step_turn([0.0; 2], 0.0, 1.0, &wheels);
+    assert!(turn_rad.contains(0.025) && turn_rad.hi() < 0.025_01, "{turn_rad}");
+    // A step within a window slips once.
+    assert!(integral.step_turn([0.0; 2], 0.0, 0.2, &wheels).hi() < 0.005_01);
+}
