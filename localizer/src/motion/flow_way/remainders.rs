@@ -166,6 +166,17 @@ fn an_error_of_the_heading_while_the_robot_turns_within_a_step_moves_the_place_a
 }
 
 #[test]
+fn what_whole_counts_lose_turns_with_the_robot() {
+    // The robot turns on the spot by 1 rad, half a count of 1 mm behind what is read, forward and to the left. In the world this error turns from
+    // (0.5, 0.5) mm to 0.5 mm · (cos 1 − sin 1, sin 1 + cos 1) = (−0.15, 0.69) mm, though nothing is counted.
+    let model = FlowModel { quantisation_counts: 1.0, ..exact() };
+    let way = way_of(begin(&model, 1.0), [0.0; 2], &[node(0.0, 0.0), node(1.0, 1.0)]);
+    let (sin, cos) = 1.0_f64.sin_cos();
+    assert_within([0.0005 * (cos - sin - 1.0), 0.0005 * (sin + cos - 1.0)], &way);
+    assert!(way.error_m[0] < 0.0009, "{way:?}");
+}
+
+#[test]
 fn whole_counts_of_both_axes_add_up_at_45_degrees() {
     // Counts of 0.1 mm. Forward the robot goes 100.99 counts, of which 100 are read; to the right, 100.99, too, from −0.01 to −101 of a count, of
     // which 100 are read. Seen from a direction of 45°, 0.99·√2 = 1.4 counts are missing, of 1/√2 at most at either end.
