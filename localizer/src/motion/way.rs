@@ -177,6 +177,9 @@ impl Sides {
         let per_tick_m = [0, 1].map(|wheel| wheels.metres_per_tick(wheel).mid());
         // C, S and the path at each sample, and the remainders of the steps.
         let (mut cos_m, mut sin_m, mut path_m) = (vec![0.0], vec![0.0], 0.0);
+        // A step of length D that turns by 2h: within it, C and S depart from their chords by at most D·h/4, as their slopes change by at most 2h;
+        // and ∫ |cos ψ₀| |dT| is at most D·h/2 more than the change of C, where ψ₀ passes a right angle, and likewise for S.
+        let mut bulged_m = Vec::with_capacity(last);
         let (mut short_m, mut remainder_m, mut turning_rad) = (0.0, 0.0, 0.0);
         for step in 0..last {
             let delta = [0, 1].map(|wheel| samples[step + 1].ticks[wheel] - samples[step].ticks[wheel]);
@@ -186,6 +189,7 @@ impl Sides {
             let chord_m = travel_m * (1.0 - half_rad * half_rad / 6.0);
             cos_m.push(cos_m[step] + chord_m * middle_rad.cos());
             sin_m.push(sin_m[step] + chord_m * middle_rad.sin());
+            bulged_m.push(0.5 * travel_m.abs() * half_rad.abs());
             short_m += travel_m - chord_m * middle_rad.cos();
             path_m += travel_m.abs();
             turning_rad += 2.0 * half_rad.abs() + profile.step_error_rad[step] + 2.0 * profile.error_rad;
@@ -206,12 +210,13 @@ impl Sides {
         let weighted = |parts: &[f64]| -> f64 {
             let total = parts[last];
             let most = |step: usize| (total - 2.0 * parts[step]).abs().max((total - 2.0 * parts[step + 1]).abs());
-            (0..last).map(|step| 0.5 * profile.step_error_rad[step] * most(step)).sum()
+            (0..last).map(|step| 0.5 * profile.step_error_rad[step] * (most(step) + bulged_m[step])).sum()
         };
         let steps_rad: f64 = profile.step_error_rad.iter().sum();
         let off_rad = (0.5 * steps_rad + profile.error_rad).min(profile.most_error_rad);
         let first_order_m = |parts: &[f64]| {
-            let length_m: f64 = parts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+            let length_m: f64 =
+                parts.windows(2).zip(&bulged_m).map(|(pair, bulged_m)| (pair[1] - pair[0]).abs() + bulged_m).sum();
             (weighted(parts) + profile.error_rad * length_m).min(profile.most_error_rad * length_m)
         };
         let second_order_m = 0.5 * off_rad * off_rad * path_m;

@@ -98,6 +98,25 @@ fn the_chord_of_a_long_arc_is_within_the_sides() {
 }
 
 #[test]
+fn an_error_of_the_turn_in_an_arc_of_a_single_step_shortens_it() {
+    // An arc of 1 m that turns by 1 rad by the readings and truly by 1.02 rad: the chord is sin 0.51/0.51 = 0.957210 m, which is 1.64 mm shorter than
+    // sin 0.5/0.5. Both ends of the arc have the same distance across the mid heading, and its middle is 0.12 m aside.
+    for (step_rad, error_rad) in [(0.02, 0.0), (0.0, 0.02)] {
+        let shortening_m = sides(&[(1.0, 1.0, step_rad)], error_rad, &exact(), &STEADY).shortening_m;
+        assert!(shortening_m.contains(1.0 - 0.51_f64.sin() / 0.51), "{shortening_m}");
+        assert!(shortening_m.hi() < 1.0 - 0.5_f64.sin() / 0.5 + 0.0065, "{shortening_m}");
+    }
+    // The same arc from 118.6° to 61.4° on the right of the mid heading, after which the robot turns by half a turn: it moves to the right by its
+    // chord.
+    let half_turn_rad = std::f64::consts::PI;
+    for (step_rad, error_rad) in [(0.02, 0.0), (0.0, 0.02)] {
+        let lateral_m =
+            sides(&[(1.0, 1.0, step_rad), (0.0, half_turn_rad, 0.0)], error_rad, &exact(), &STEADY).lateral_m;
+        assert!(lateral_m.contains(-0.51_f64.sin() / 0.51), "{lateral_m}");
+    }
+}
+
+#[test]
 fn slip_before_and_after_a_turn_moves_a_way_aside() {
     // Half a metre, a turn by 0.2 rad, and half a metre: on both sides of the mid heading by 0.1 rad. The robot slips back by 10 mm in the first
     // half and ahead by 10 mm in the second, so that 2 · 10 mm · sin 0.1 go to the left.
