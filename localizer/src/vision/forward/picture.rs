@@ -44,6 +44,7 @@ impl Picture {
 
     /// Value at a position between pixels, interpolated bilinearly. Outside of the image it is the value at the nearest point of the
     /// border, and 0 if the image has no pixels.
+    #[inline]
     pub fn between(&self, u_px: f64, v_px: f64) -> f64 {
         if self.values.is_empty() {
             return 0.0;

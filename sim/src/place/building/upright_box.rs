@@ -100,6 +100,7 @@ impl UprightBox {
     }
 
     /// Whether a point is inside the box.
+    #[inline]
     pub fn contains(&self, at: Point3<f64>) -> bool {
         BoxFrame::of(self).contains(at)
     }
@@ -137,6 +138,7 @@ impl BoxFrame {
     }
 
     /// Whether the straight line between two points passes through the box (slab method).
+    #[inline]
     pub(crate) fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         if self.is_passed_by(from, to) {
             return false;
@@ -162,12 +164,14 @@ impl BoxFrame {
     }
 
     /// Whether a point is inside the box.
+    #[inline]
     pub(crate) fn contains(&self, at: Point3<f64>) -> bool {
         (at - self.middle).norm_squared() <= self.reach_m2
             && self.coordinates(at).iter().all(|coordinate| coordinate.abs() < 1.0)
     }
 
     /// Whether the straight line between two points keeps out of the ball around the box. Most lines do, and this costs a single division.
+    #[inline]
     fn is_passed_by(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         let (way, to_middle) = (to - from, self.middle - from);
         let share = (to_middle.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
@@ -175,6 +179,7 @@ impl BoxFrame {
     }
 
     /// Coordinates of a point in the box's own frame, in which each coordinate runs from −1 to 1 inside the box.
+    #[inline]
     fn coordinates(&self, at: Point3<f64>) -> [f64; 3] {
         let from_middle = at - self.middle;
         let (along, along_m2) = &self.along;

@@ -48,11 +48,13 @@ impl Occluders {
     }
 
     /// Whether a box or a wall stands on the straight line between two points.
+    #[inline]
     pub fn block(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.meets(from, to)) || self.walls.iter().any(|wall| wall.meets(from, to))
     }
 
     /// Whether a point is inside one of the boxes.
+    #[inline]
     pub fn contain(&self, at: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.contains(at))
     }
@@ -99,6 +101,7 @@ impl Occluders {
 }
 
 /// Relative contribution of one point of a lamp to the illuminance at a point of a surface: cos θ·cos θ'/d².
+#[inline]
 pub(super) fn weight(source: &Source, at: Point3<f64>, place: Point3<f64>, normal: Vector3<f64>) -> f64 {
     let way = place - at;
     let square = way.norm_squared();
