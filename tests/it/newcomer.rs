@@ -57,6 +57,29 @@ fn a_robot_at_rest_pays_for_a_coarse_encoders_tick_every_two_seconds_at_most() {
 }
 
 #[test]
+fn a_hobby_robot_put_down_anywhere_finds_itself_and_drives_its_errands() {
+    let text = fs::read_to_string(root().join("scenes/navigation/anywhere.toml")).unwrap();
+    let mut starts = Vec::new();
+    for seed in 0..2 {
+        let (record, verdict) = judged(&scene(&text), seed);
+        let contained = verdict.containment.as_ref().unwrap();
+        assert_eq!(contained.contained, contained.checks, "seed {seed}: {contained:?}");
+        assert!(verdict.verdict.passed, "seed {seed}: {:?}", verdict.verdict.failed);
+        // The localizer begins with all of the flat and every heading, and is sure of its place within 20 s.
+        let width_m = |at: usize| record.estimates[at].pose.hull()[0].width();
+        assert!(width_m(0) > 7.0 && record.estimates[0].pose.hull()[2].width() > 6.25, "seed {seed}");
+        let found = record.estimates.iter().find(|estimate| estimate.pose.hull()[0].width() < 0.2);
+        assert!(found.is_some_and(|found| found.time_s < 20.0), "seed {seed}: {:?}", found.map(|found| found.time_s));
+        starts.push(record.truths[0].pose);
+    }
+    assert!((starts[0].x_m - starts[1].x_m).abs() > 0.1 || (starts[0].y_m - starts[1].y_m).abs() > 0.1, "{starts:?}");
+    // Without errands the robot would have nowhere to go from wherever it is.
+    let idle = text.split("[[errand]]").next().unwrap();
+    let refused = Scene::parse(idle, "scene.toml").unwrap_err().to_string();
+    assert!(refused.contains("`start.anywhere") && refused.contains("errands"), "{refused}");
+}
+
+#[test]
 fn tiles_larger_than_the_view_are_located_by_one_joint_at_a_time() {
     let text = "duration_s = 20.0\n[room]\nwidth_m = 6.0\ndepth_m = 4.0\n[floor.tiles]\nedge_x_m = 1.0\nedge_y_m = 1.0\n\
                 [start]\nx_m = 2.0\ny_m = 2.0\n[route]\nled = true\n[[route.waypoint]]\nx_m = 4.0\ny_m = 2.3\n\

@@ -18,7 +18,7 @@
 
 use interval::{Interval, IntervalBox};
 
-use crate::{Constraint, PoseUnion, markers::MarkerId};
+use crate::{Constraint, PoseBox, PoseUnion, markers::MarkerId};
 
 use super::{
     Localizer, REMEMBER_S,
@@ -389,6 +389,25 @@ impl Localizer {
         }
         first_s
     }
+}
+
+/// A start whose heading is wider than half a turn, divided into equal sectors of heading, because a contractor of poses narrows headings only within a
+/// part of a turn; any other start as it is.
+pub(super) fn in_sectors(start: PoseBox) -> PoseUnion {
+    let heading = start[2];
+    let n_sectors = HEADINGS as f64 * heading.width() / std::f64::consts::TAU;
+    if heading.width() <= std::f64::consts::PI || n_sectors > MOST_TURNS * HEADINGS as f64 {
+        return PoseUnion::single(start);
+    }
+    // A whole turn is as many sectors as where a robot is searched for, though its width is rounded up.
+    let n_sectors = (n_sectors - 1e-6).ceil();
+    let sector_rad = heading.width() / n_sectors;
+    let sectors = (0..n_sectors as usize).map(|sector| {
+        let centre_rad = heading.lo() + (sector as f64 + 0.5) * sector_rad;
+        let sector = Interval::centred(centre_rad, 0.5 * sector_rad + 1e-9);
+        IntervalBox::from([start[0], start[1], sector.intersect(heading)])
+    });
+    PoseUnion { branches: sectors.collect() }
 }
 
 /// The branches of several pose unions, in which branches that overlap are replaced by their hull.

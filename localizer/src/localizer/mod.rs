@@ -30,7 +30,7 @@ use crate::{
 
 pub use account::Account;
 use base_clock::BASE_STAMP;
-use doubt::Doubts;
+use doubt::{Doubts, in_sectors};
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
 use moves::{REACH, assumptions, memory_s, motion_history};
@@ -167,7 +167,7 @@ impl Localizer {
 
     fn begin_at(&mut self, start: PoseBox) {
         self.known_heading = (0.0, start[2]);
-        self.current = self.inside_room(PoseUnion::single(start));
+        self.current = self.inside_room(in_sectors(start));
         self.ring.push(Slot::anchor(0.0, vec![self.current.clone()]));
     }
 

@@ -102,7 +102,8 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     let body = format!("as the robot's body reaches {radius_m} m about its origin");
     let start = &scene.start;
     let drawn = format!("{body} and the start is drawn within {} m", start.tolerance_m);
-    place("start".to_owned(), [start.x_m, start.y_m], start.tolerance_m, &drawn);
+    let (within_m, drawn) = if start.anywhere { (0.0, &body) } else { (start.tolerance_m, &drawn) };
+    place("start".to_owned(), [start.x_m, start.y_m], within_m, drawn);
     for (index, waypoint) in scene.route.iter().flat_map(|route| &route.waypoints).enumerate() {
         place(format!("route.waypoint[{index}]"), [waypoint.x_m, waypoint.y_m], 0.0, &body);
     }

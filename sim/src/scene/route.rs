@@ -27,6 +27,10 @@ pub struct Start {
     #[serde(default = "default_tolerance_deg")]
     #[schemars(range(min = 0.0, max = 180.0))]
     pub tolerance_deg: f64,
+    /// Whether the robot starts at any place that it can reach from `x_m` and `y_m`, with any heading up to 170° from `heading_deg`, both drawn at
+    /// random. The localizer is told nothing of either but the map. The tolerances are not used then.
+    #[serde(default)]
+    pub anywhere: bool,
 }
 
 /// A drive through waypoints in their order. The robot is steered by its estimated pose, unless `led` is set.

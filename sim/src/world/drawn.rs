@@ -2,7 +2,7 @@
 //! sees them.
 
 use localizer::Pose;
-use rand::seq::IndexedRandom;
+use rand::{RngExt, seq::IndexedRandom};
 
 use crate::{
     base::{self, DrawnBase},
@@ -58,9 +58,20 @@ pub(crate) fn is_clipped(bound: &str) -> bool {
     all.into_iter().any(|clipped| *clipped == bound)
 }
 
+/// Greatest angle between the nominal heading and that of a robot that starts anywhere: 170°, as headings are counted beyond half a turn, where the same
+/// readings would fit a heading a whole turn away.
+const MOST_TURNED_RAD: f64 = 170.0 / 180.0 * std::f64::consts::PI;
+
 fn draw_start(scene: &Scene, seed: u64) -> Pose {
     let (nominal, start, errors) = (scene.nominal_start(), &scene.start, scene.robot.errors);
     let mut rng = stream(seed, "start");
+    if start.anywhere {
+        let reach = Planner::of(scene).reach([start.x_m, start.y_m]);
+        let centres_m = reach.map(|reach| reach.centres_m()).unwrap_or_default();
+        let [x_m, y_m] = centres_m.choose(&mut rng).copied().unwrap_or([nominal.x_m, nominal.y_m]);
+        let turned_rad = rng.random_range(-MOST_TURNED_RAD..MOST_TURNED_RAD);
+        return Pose { x_m, y_m, heading_rad: nominal.heading_rad + turned_rad };
+    }
     Pose {
         x_m: nominal.x_m + draw_within(start.tolerance_m, errors, &mut rng),
         y_m: nominal.y_m + draw_within(start.tolerance_m, errors, &mut rng),

@@ -5,6 +5,12 @@ use crate::{loading::contradiction::Contradiction, place::navigation::Planner, s
 /// Errands with the same name, and goals to which no path leads.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let navigation = scene.navigation();
+    if scene.start.anywhere && !scene.has_errands() {
+        let expected = "true without errands, expected some `[[errand]]` or `navigation.random_goals`, to which the robot plans its way from \
+                        wherever it finds itself"
+            .to_owned();
+        found.push(Contradiction { key: "start.anywhere".to_owned(), expected });
+    }
     let is_map_missing = navigation.map.is_some() && navigation.surveyed.is_none();
     // A goal outside the room or in furniture has been reported already, and no path can be planned on a map that could not be read.
     if !scene.has_errands() || !found.is_empty() || is_map_missing {

@@ -100,6 +100,7 @@ impl Scene {
             heading_deg: station.heading_deg,
             tolerance_m: station.tolerance_m.unwrap_or(self.start.tolerance_m),
             tolerance_deg: station.tolerance_deg.unwrap_or(self.start.tolerance_deg),
+            anywhere: false,
         };
         // The run lasts one step longer than the first readings take to arrive, so that the estimate after their arrival counts as well.
         let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
@@ -121,6 +122,10 @@ impl Scene {
         let late_s = self.robot.delivery.stamp_tolerance_s;
         let left_m = 0.5 * self.bounds.reach_acceleration_m_per_s2 * late_s * late_s;
         let turned_rad = 2.0 * left_m / (self.robot.base.track_m * (1.0 - self.robot.base.track_tolerance));
+        if self.start.anywhere {
+            let [x_m, y_m] = self.room_hull_m().map(|range_m| range_m.inflate(left_m));
+            return PoseBox::from([x_m, y_m, Interval::centred(start.heading_rad, std::f64::consts::PI)]);
+        }
         PoseBox::from([
             Interval::centred(start.x_m, self.start.tolerance_m + left_m),
             Interval::centred(start.y_m, self.start.tolerance_m + left_m),
