@@ -37,8 +37,9 @@ fn a_marker_off_its_place_is_named_with_the_image_that_shows_it() {
     let seen_s = seen.unwrap().measured_s;
     let is_of_it = |device: &str, span_s: [f64; 2]| device == "ceiling_camera" && span_s == [seen_s; 2];
     assert!(found.readings.iter().any(|one| is_of_it(one.device, one.span_s)), "{seen_s}: {found:?}");
-    // The robot is nowhere near 15 cm off its own odometry, so that the wheels would have to break their bounds a hundredfold, too.
-    assert_eq!(found.factor, Some(100.0), "{found:?}");
+    // The robot is nowhere near 15 cm off its own odometry, so that the wheels would have to slip thirty times as much as declared. Or the pose a second
+    // before, which is known to some centimetres, would have to be as wrong.
+    assert!(found.is_earlier && found.factor.is_some_and(|factor| factor >= 30.0), "{found:?}");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
 use localizer::{
     Constraint, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Reading,
+    bounds::Assumption,
     graph::{Disc, Domain, Relations, Row, Stray, Variable},
     localizer::Account,
     method::{Context, Memory, MotionBetween, OnPose},
@@ -145,6 +146,14 @@ impl Relations for TooSmallRelations {
 
     fn stamp_error_s(&self) -> f64 {
         self.0.stamp_error_s()
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        self.0.stamp_bound()
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        self.0.shift_parts(stray)
     }
 
     fn shift_m(&self, stray: &Stray) -> f64 {

@@ -59,7 +59,7 @@ enum Work {
     /// Readings of the key frame's instant are awaited: the number of wheel readings since the key frame was taken in.
     Awaiting(usize),
     /// The program is made, and not prepared for its solver yet.
-    Made(Related),
+    Made(Box<Related>),
     /// The program is being solved: the bounds so far.
     Solving(Box<Hull>),
 }
@@ -167,8 +167,8 @@ impl Localizer {
         let Some(work) = self.graph.work.take() else { return };
         self.graph.work = match work {
             Work::Awaiting(n_readings) if n_readings + 1 < AWAITED => Some(Work::Awaiting(n_readings + 1)),
-            Work::Awaiting(_) => self.related().map(Work::Made),
-            Work::Made(related) => Some(Work::Solving(Box::new(Hull::new(related, self.graph.wanted())))),
+            Work::Awaiting(_) => self.related().map(Box::new).map(Work::Made),
+            Work::Made(related) => Some(Work::Solving(Box::new(Hull::new(*related, self.graph.wanted())))),
             Work::Solving(mut hull) => {
                 if hull.advance() {
                     self.apply(*hull);

@@ -6,7 +6,7 @@ use super::*;
 fn seen(middle_m: [f64; 2]) -> SeenPlace {
     SeenPlace {
         device: "floor_camera",
-        yaw: (Constant::FloorYaw, 0.0),
+        yaw: Some((Constant::FloorYaw, 0.0)),
         middle_m: middle_m.map(Interval::point),
         terms: Vec::new(),
         noise_m: Vec::new(),

@@ -5,6 +5,7 @@ use interval::Interval;
 use super::*;
 use crate::{
     Map, PoseBox,
+    bounds::{self, Assumption},
     graph::{
         Domain, Row,
         trial::{gyro, robot},
@@ -25,6 +26,14 @@ impl Relations for Compass {
 
     fn stamp_error_s(&self) -> f64 {
         STAMP_ERROR_S
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        bounds::GNSS_STAMP
+    }
+
+    fn shift_parts(&self, _stray: &Stray) -> Vec<(Assumption, f64)> {
+        Vec::new()
     }
 
     fn shift_m(&self, stray: &Stray) -> f64 {
