@@ -11,7 +11,7 @@ use crate::{
         drawn::{self, DrawnPlace},
         navigation::Planner,
     },
-    scene::Scene,
+    scene::{Person, Scene},
     truth::randomness::{draw_within, stream},
 };
 
@@ -67,7 +67,8 @@ fn draw_start(scene: &Scene, seed: u64) -> Pose {
     let mut rng = stream(seed, "start");
     if start.anywhere {
         let reach = Planner::of(scene).reach([start.x_m, start.y_m]);
-        let centres_m = reach.map(|reach| reach.centres_m()).unwrap_or_default();
+        let mut centres_m = reach.map(|reach| reach.centres_m()).unwrap_or_default();
+        centres_m.retain(|at_m| is_clear(scene, *at_m));
         let [x_m, y_m] = centres_m.choose(&mut rng).copied().unwrap_or([nominal.x_m, nominal.y_m]);
         let turned_rad = rng.random_range(-MOST_TURNED_RAD..MOST_TURNED_RAD);
         return Pose { x_m, y_m, heading_rad: nominal.heading_rad + turned_rad };
@@ -77,6 +78,16 @@ fn draw_start(scene: &Scene, seed: u64) -> Pose {
         y_m: nominal.y_m + draw_within(start.tolerance_m, errors, &mut rng),
         heading_rad: nominal.heading_rad + draw_within(start.tolerance_deg.to_radians(), errors, &mut rng),
     }
+}
+
+/// Whether the robot's body touches neither furniture, on the map or not, nor a person who stands where people are at time 0.
+fn is_clear(scene: &Scene, at_m: [f64; 2]) -> bool {
+    let body_m = scene.robot.body_radius_m;
+    let is_off = |person: &Person| {
+        let first_m = person.waypoints_m.first().copied().unwrap_or([f64::INFINITY; 2]);
+        (first_m[0] - at_m[0]).hypot(first_m[1] - at_m[1]) >= person.radius_m + body_m
+    };
+    scene.furniture.iter().all(|piece| piece.distance_m(at_m) >= body_m) && scene.people.iter().all(is_off)
 }
 
 /// Least distance of a random goal from the goal before; with a smaller one there would be nothing to drive.

@@ -122,6 +122,7 @@ fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
     let [x_m, y_m] = *person.waypoints_m.first()?;
     let (start, keep_m) = (&scene.start, person.radius_m + scene.robot.body_radius_m);
     let put_down = match scene.stations.is_empty() {
+        true if start.anywhere => Vec::new(),
         true => vec![("start", [start.x_m, start.y_m], start.tolerance_m)],
         false => {
             let tolerance_m = |station: &Station| station.tolerance_m.unwrap_or(start.tolerance_m);

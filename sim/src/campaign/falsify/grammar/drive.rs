@@ -27,7 +27,14 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
         }
     }
     let obstacles = Obstacles::of(scene, room_m, robot.body_radius_m);
+    let has_goals =
+        scene.get("navigation").and_then(|one| one.get("random_goals")?.as_integer()).is_some_and(|n| n > 0);
+    let has_errands = scene.contains_key("errand") || (chosen.contains(&"navigation") && has_goals);
     let start = table(scene, "start");
+    if !has_errands {
+        // Only on errands the robot plans its way from wherever it is.
+        start.remove("anywhere");
+    }
     let tolerance_m = number(start, "tolerance_m").unwrap_or(0.01);
     // Each seed puts the robot at a random start within the tolerance. The tolerance is therefore limited, so that every possible start lies in the
     // room.
