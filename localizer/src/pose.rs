@@ -2,7 +2,7 @@
 
 use std::{cmp::Ordering, f64::consts::TAU};
 
-use interval::{Interval, IntervalBox};
+use interval::{Interval, IntervalBox, contractor::Contractor};
 
 /// A pose in the plane: `world_from_robot`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,6 +85,12 @@ impl PoseUnion {
         });
         let hull = |some: &[PoseBox]| some.iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch));
         self.branches.chunks(together).map(hull).collect()
+    }
+
+    /// The union with each of its boxes contracted; where the contractor splits a box into several, all of them are kept.
+    pub(crate) fn contracted(&self, contractor: &dyn Contractor<3>) -> Self {
+        PoseUnion { branches: self.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
+            .without_repeats()
     }
 
     /// Encloses the poses that are in both unions. The result is exact, every branch of one union intersected with every branch of the other,

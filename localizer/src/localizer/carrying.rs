@@ -1,7 +1,7 @@
 //! Prediction of the pose unions of slots (the stamped entries of the localizer's ring), and their recomputation when a reading about the past
 //! arrives.
 
-use interval::{Interval, IntervalBox, contractor::Contractor};
+use interval::{Interval, IntervalBox};
 
 use crate::{PoseBox, PoseUnion, motion::moved_union};
 
@@ -134,10 +134,4 @@ impl Localizer {
         let [x, y] = self.map.room_m.map(|range| Interval::new(range.lo() + keep_m, range.hi() - keep_m));
         IntervalBox::from([x, y, Interval::ENTIRE])
     }
-}
-
-/// Contracts every box of a pose union by a contractor; where the contractor splits a box into several, all of them are kept.
-pub(super) fn contract_union(union: &PoseUnion, contractor: &(dyn Contractor<3> + Send + Sync)) -> PoseUnion {
-    PoseUnion { branches: union.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
-        .without_repeats()
 }

@@ -18,11 +18,10 @@
 
 use interval::{Interval, IntervalBox};
 
-use crate::{Constraint, PoseBox, PoseUnion, markers::MarkerId};
+use crate::{Constraint, PoseBox, PoseUnion};
 
 use super::{
     Localizer, REMEMBER_S,
-    carrying::contract_union,
     hypothesis::{Failed, Hypothesis, Witness, named},
     moves::{REACH, WHEELS},
     naming::Intersected,
@@ -59,9 +58,6 @@ pub(super) struct Evidence {
     /// allows.
     agrees: Vec<bool>,
 }
-
-/// Greatest number of markers that are taken to be misplaced together.
-const MOST_MISPLACED: usize = 2;
 
 /// When earlier doubts about an assumption took place, and how far back they reached.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +98,7 @@ impl Localizer {
         let renewed_s = self.unlearn_deeper();
         let doubtful_s = self.now_s - depth_s;
         self.ring.drop_anchors_after(doubtful_s);
-        let corrections = self.markers_that_explain(ended_s);
+        let corrections = self.markers_that_explain(ended_s, contradicting_s);
 
         // The hypothesis of a false reading is followed from that reading on, or from the first constraint on that relied on something just unlearnt,
         // if that constraint is earlier.
@@ -139,45 +135,6 @@ impl Localizer {
         if self.current.is_empty() {
             self.begin_anywhere();
         }
-    }
-
-    /// The smallest sets of markers without whose images nothing since the last doubt contradicts anything, each with the pose unions of all slots under
-    /// the hypothesis that these markers are misplaced. The slots hold what was believed.
-    fn markers_that_explain(&mut self, ended_s: f64) -> Vec<(Hypothesis, Vec<PoseUnion>)> {
-        let mut seen: Vec<MarkerId> = Vec::new();
-        for marker in self.ring.iter_mut().filter_map(|slot| slot.constraint.as_ref()).flat_map(named) {
-            if let Witness::Marker(marker) = marker
-                && !seen.contains(&marker)
-            {
-                seen.push(marker);
-            }
-        }
-        let mut sets: Vec<Vec<MarkerId>> = vec![Vec::new()];
-        for _ in 0..MOST_MISPLACED {
-            let larger = |set: &Vec<MarkerId>| {
-                let later = seen.iter().position(|marker| set.last() == Some(marker)).map_or(0, |last| last + 1);
-                let larger = |&marker: &MarkerId| set.iter().copied().chain([marker]).collect();
-                seen[later..].iter().map(larger).collect::<Vec<Vec<MarkerId>>>()
-            };
-            sets = sets.iter().flat_map(larger).collect();
-            let explained: Vec<(Hypothesis, Vec<PoseUnion>)> =
-                sets.iter().filter_map(|set| self.explained_without(set, ended_s)).collect();
-            if !explained.is_empty() {
-                return explained;
-            }
-        }
-        Vec::new()
-    }
-
-    /// The hypothesis that the given markers are misplaced, with the pose unions of all slots under it; `None` if something contradicts it.
-    fn explained_without(&mut self, markers: &[MarkerId], from_s: f64) -> Option<(Hypothesis, Vec<PoseUnion>)> {
-        self.hypotheses.push(Hypothesis::of_markers(markers.to_vec()));
-        self.ring.iter_mut().for_each(|slot| slot.unions.push(slot.unions[0].clone()));
-        let tried = self.hypotheses.len() - 1;
-        let is_contradicted = !self.replay(tried, from_s).is_empty();
-        let hypothesis = self.hypotheses.pop();
-        let unions: Vec<PoseUnion> = self.ring.iter_mut().filter_map(|slot| slot.unions.pop()).collect();
-        hypothesis.filter(|_| !is_contradicted).map(|hypothesis| (hypothesis, unions))
     }
 
     /// Begins the doubt anew, with the robot anywhere in the room, because no hypothesis about what failed leaves any pose.
@@ -226,7 +183,7 @@ impl Localizer {
         if named(constraint).is_empty() {
             return PoseUnion::default();
         }
-        contract_union(&self.anywhere(), constraint.on_pose.as_ref())
+        self.anywhere().contracted(constraint.on_pose.as_ref())
     }
 
     /// Witnesses of a constraint: the things by whose fault alone it may be false. If it names one marker, or several that do not agree with each

@@ -2,8 +2,6 @@
 
 use crate::{Constraint, PoseUnion, markers::MarkerId, method::Claim};
 
-use super::carrying::contract_union;
-
 /// Number of witnesses (markers or whole readings) that confirm or refute a hypothesis; no two of them have anything in common. No declared bound
 /// lets a whole reading be wrong: one may be because an assumption failed, but two are not by chance.
 const WITNESSES: usize = 2;
@@ -74,11 +72,11 @@ impl Hypothesis {
     pub(super) fn contracted(&self, union: &PoseUnion, constraint: &Constraint) -> PoseUnion {
         if named(constraint).iter().any(|marker| self.is_misplaced(marker)) {
             let others = constraint.by_marker.iter().filter(|(marker, _)| !self.misplaced.contains(marker));
-            return others.fold(union.clone(), |union, (_, on_pose)| contract_union(&union, on_pose.as_ref()));
+            return others.fold(union.clone(), |union, (_, on_pose)| union.contracted(on_pose.as_ref()));
         }
         let by_itself =
             constraint.by_itself.as_ref().filter(|_| matches!(self.failed, Failed::Motion | Failed::Memory));
-        contract_union(union, by_itself.unwrap_or(&constraint.on_pose).as_ref())
+        union.contracted(by_itself.unwrap_or(&constraint.on_pose).as_ref())
     }
 
     /// Those of a reading's witnesses that tell something under this hypothesis.

@@ -10,6 +10,7 @@ mod doubt;
 mod heading_fixes;
 mod hypothesis;
 mod learning;
+mod misplaced;
 mod moves;
 mod naming;
 mod observed;

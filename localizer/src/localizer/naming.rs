@@ -16,7 +16,7 @@ use crate::{
     motion::moved_union,
 };
 
-use super::{Localizer, carrying::contract_union, moves::motion_between, ring::Slot};
+use super::{Localizer, moves::motion_between, ring::Slot};
 
 /// Time before a contradiction from which on readings are searched for its cause: as long as a doubt reaches back.
 const BEFORE_S: f64 = 1.0;
@@ -212,7 +212,7 @@ impl Localizer {
             let away = |branch: &PoseBox| {
                 (0..3).map(|axis| distance(branch[axis], middle[axis]) / SOUGHT[axis]).fold(0.0, f64::max)
             };
-            let union = contract_union(&PoseUnion::single(sought), constraint.on_pose.as_ref());
+            let union = PoseUnion::single(sought).contracted(constraint.on_pose.as_ref());
             union.branches.into_iter().filter(|one| !one.is_empty()).min_by(|a, b| away(a).total_cmp(&away(b)))
         });
         let stray =
