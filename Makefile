@@ -7,11 +7,12 @@ DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build
+.PHONY: help demo test test-long lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
 	@echo "make test          run all tests"
+	@echo "make test-long     run the tests that take a minute or more each"
 	@echo "make lint          formatting, clippy and documentation, warnings refused"
 	@echo "make bench         measure speed, and memory over a drive of 100 000 steps"
 	@echo "make bench-render  render a room, and a like one with MuJoCo where Python has it"
@@ -35,6 +36,10 @@ demo: driver build
 
 test: driver
 	cargo test --workspace
+
+# Tests that are ignored otherwise.
+test-long: driver
+	cargo test --workspace -- --ignored
 
 lint:
 	cargo fmt --all --check
@@ -72,7 +77,7 @@ golden: driver
 gallery: driver build
 	scripts/gallery $(WHEREIN)
 
-experiments: driver build allan
+experiments: driver build allan test-long
 	scripts/experiments $(ISSUE)
 
 straight-drive:
@@ -84,7 +89,7 @@ falsify:
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
 	WHEREIN_PROGRAMS=100000 cargo test -p wherein-interval --lib -- --nocapture solver
 	WHEREIN_ROWS=167 cargo test -p wherein-localizer --lib -- --nocapture graph::sighting graph::flow graph::way graph::link
-	WHEREIN_ROWS=500 cargo test -p wherein-localizer --lib -- --nocapture relate
+	WHEREIN_ROWS=500 cargo test -p wherein-localizer --lib -- --nocapture relate mapped_landmarks::tests::the_truth mapped_landmarks::tests::a_landmark
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
 	WHEREIN_FEATURE_PAIRS=60 cargo test -p wherein-localizer --lib -- --nocapture point_features
 

@@ -320,6 +320,7 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_landmarks_before_the_trut
 }
 
 #[test]
+#[ignore = "takes a minute: make test-long"]
 fn furniture_a_few_degrees_askew_that_nobody_tells_of_is_blamed_and_moves_a_heading_by_tenths_of_a_degree() {
     // The edges of pieces of furniture that stand askew agree with each other, so that no reading contradicts another one and the localizer never
     // doubts (its status never becomes `Recovering`).

