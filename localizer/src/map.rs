@@ -2,9 +2,13 @@
 //!
 //! Frame `world`: x and y along two walls of the room, z up, heading counter-clockwise from x.
 
+mod space_point;
+
 use interval::Interval;
 
 use crate::markers::{Coding, MarkerId};
+
+pub use space_point::{Anchor, SpacePoint};
 
 /// Map of a room and its floor, as surveyed.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,6 +10,7 @@ use crate::{
     PoseUnion, Reading,
     bounds::Assumption,
     graph::Relations,
+    map::SpacePoint,
     markers::{GridPlace, MarkerId},
     motion::{Motion, Twist},
     quota::Quota,
@@ -96,6 +97,11 @@ pub trait Memory {
 
     /// Landmarks that have been learnt: code, and box of world x and y.
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
+        Vec::new()
+    }
+
+    /// Landmarks in space that are known, from a map or learnt, in the order of their numbers.
+    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
         Vec::new()
     }
 }

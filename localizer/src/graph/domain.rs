@@ -27,6 +27,8 @@ pub enum Variable {
     BodyTilt(usize, usize),
     /// Coordinate of a landmark in the world: x (0) or y (1).
     Landmark(LandmarkId, usize),
+    /// Coordinate of a landmark in space as seen from its anchor, in homogeneous form: the two slopes of its ray (0 and 1) and its inverse depth (2).
+    Point(LandmarkId, usize),
     /// Distance of a ceiling marker from its place on the map, along world x (0) or y (1).
     Marker(MarkerId, usize),
     /// Height of a ceiling marker above the floor.
@@ -86,6 +88,18 @@ pub enum Constant {
     CeilingHeight,
     /// Position of the satellite navigation receiver's antenna in the robot frame: forward (0) or left (1).
     GnssPosition(usize),
+    /// Focal length of the point camera, in pixels.
+    PointFocal,
+    /// Principal point of the point camera: u (0) or v (1), in pixels.
+    PointCentre(usize),
+    /// Rotation of the point camera about the vertical.
+    PointYaw,
+    /// Tilt of the point camera's mount, which acts before the yaw, as a component of its Cayley vector along forward (0) or left (1) of the camera.
+    PointTilt(usize),
+    /// Position of the point camera in the robot frame: forward (0) or left (1).
+    PointPosition(usize),
+    /// Height of the point camera above the floor at rest.
+    PointHeight,
 }
 
 impl Variable {
@@ -157,6 +171,12 @@ impl Constant {
             Constant::CeilingPosition(_) => bounds::CEILING_CAMERA_POSITION,
             Constant::CeilingHeight => bounds::CEILING_CAMERA_HEIGHT,
             Constant::GnssPosition(_) => bounds::GNSS_ANTENNA,
+            Constant::PointFocal => bounds::POINT_CAMERA_FOCAL,
+            Constant::PointCentre(_) => bounds::POINT_CAMERA_CENTRE,
+            Constant::PointYaw => bounds::POINT_CAMERA_YAW,
+            Constant::PointTilt(_) => bounds::POINT_CAMERA_TILT,
+            Constant::PointPosition(_) => bounds::POINT_CAMERA_POSITION,
+            Constant::PointHeight => bounds::POINT_CAMERA_HEIGHT,
         }
     }
 }

@@ -132,7 +132,7 @@ fn makers(variable: Variable, label: Option<&BoxLabel>) -> Vec<Suspect> {
             let earlier = (!label.is_alone).then_some(Suspect::Earlier);
             earlier.into_iter().chain([Suspect::Bound(label.bound)]).collect()
         }
-        (Variable::Pose(..) | Variable::Landmark(..), None, None) => vec![Suspect::Earlier],
+        (Variable::Pose(..) | Variable::Landmark(..) | Variable::Point(..), None, None) => vec![Suspect::Earlier],
         _ => Vec::new(),
     }
 }

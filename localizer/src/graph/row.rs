@@ -24,7 +24,7 @@ impl Row {
     /// The row that follows from coefficients that are known as intervals only: Σ aⱼ δⱼ ∈ `sides` for some aⱼ in their intervals.
     ///
     /// The middle of each interval becomes the coefficient, and the rest times the possible deviations is added to the sides.
-    pub(super) fn new(domain: &Domain, terms: &[(Variable, Interval)], sides: Interval) -> Row {
+    pub(crate) fn new(domain: &Domain, terms: &[(Variable, Interval)], sides: Interval) -> Row {
         let mut row = Row { terms: Vec::with_capacity(terms.len()), sides, parts: Vec::new(), devices: Vec::new() };
         for &(variable, coefficient) in terms {
             let deviation = domain.deviation(variable);
@@ -62,7 +62,7 @@ impl Row {
     }
 
     /// The same row, which comes from readings of the device with the given name, too.
-    pub(super) fn by_device(mut self, device: &'static str) -> Row {
+    pub(crate) fn by_device(mut self, device: &'static str) -> Row {
         if !self.devices.contains(&device) {
             self.devices.push(device);
         }

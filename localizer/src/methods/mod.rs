@@ -4,6 +4,7 @@
 pub mod ceiling_markers;
 pub mod floor_tiles;
 pub mod gnss_positions;
+pub mod mapped_landmarks;
 mod lean;
 mod tilt;
 pub mod range_landmarks;

@@ -1,0 +1,186 @@
+//! `mapped_landmarks`, after paper 4 (Wang, Lambert and Zhang, Computers 2019; landmarks are learnt once with an accurate position and used later
+//! without it):
+//! bounds the pose by image points of landmarks in space, and learns where the landmarks are.
+//!
+//! **Constraint.** A landmark is a ray with a bounded inverse depth from an anchor in the world ([`SpacePoint`](crate::map::SpacePoint)), so that it is of use from its first
+//! sighting on, and may be infinitely far. An image point gives two equations between the landmark, the pose, the lean of the body and the camera's
+//! mount and lens (`ray`), none of which divides by a depth. They are rows of the graph of key frames, and rows of a program for the pose at the
+//! image's own stamp.
+//!
+//! **Learning.** A window of images from different places is kept, each with the box of the pose that it shows. A linear program of all of them
+//! together bounds the poses and the landmarks, in which the constants of the camera have one value: what parallax tells. With every pass the boxes
+//! become narrower, so that rows that are made anew lose less. Boxes only ever shrink, except when what was learnt is taken back. Work on the window is
+//! spread over the images; to teach a map, images of the whole drive are kept, and the same programs are solved at its end, over and over.
+//!
+//! **Source.** Paper 4's sections 2 and 3, with relations in place of its boxes: the paper contracts boxes of poses and landmarks in a sliding window
+//! (DIGO). Its text has errors; the book's page on the five papers lists them.
+
+mod atlas;
+mod camera;
+mod ray;
+mod relate;
+
+use std::sync::Arc;
+
+use crate::{
+    PoseBox, PoseUnion, Reading, RobotModel,
+    bounds::{self, Assumption},
+    graph::{PoseByRows, Stray},
+    map::SpacePoint,
+    method::{Constraint, Context, Memory, Method, MotionBetween},
+    reading::LandmarkId,
+};
+
+use atlas::Atlas;
+pub use camera::{DEVICE, PointCameraModel, SeenPoint};
+use ray::Optics;
+use relate::Points;
+
+/// Greatest number of landmarks of an image of which rows are made. Those whose direction from the robot is known best are taken.
+const MOST_RELATED: usize = 12;
+
+/// Declared bounds that a constraint from image points of landmarks relies on.
+const RELIES_ON: [Assumption; 13] = [
+    bounds::POINT_CAMERA_POSITION,
+    bounds::POINT_CAMERA_HEIGHT,
+    bounds::POINT_CAMERA_YAW,
+    bounds::POINT_CAMERA_TILT,
+    bounds::POINT_CAMERA_FOCAL,
+    bounds::POINT_CAMERA_CENTRE,
+    bounds::POINT_CAMERA_POINTS,
+    bounds::POINT_CAMERA_LEAST_DEPTH,
+    bounds::POINT_CAMERA_STAMP,
+    bounds::BODY_TILT,
+    bounds::BODY_HEAVE,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
+];
+
+/// Whether the method learns where landmarks are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Learning {
+    /// It uses the landmarks of the map as they are.
+    Never,
+    /// It learns as it drives, from a window of the latest images.
+    Drives,
+    /// It also keeps images of the whole drive, from which it makes a map at the end. Their number grows with the length of the drive.
+    Teaches,
+}
+
+/// Method that localizes the robot by landmarks in space, which it takes from a map or learns.
+pub struct MappedLandmarks {
+    optics: Arc<Optics>,
+    stray: Stray,
+    atlas: Atlas,
+    /// Whether landmarks are learnt, beside those of the map.
+    learns: bool,
+    /// Stamp and image points of the image for which a constraint was made last, until landmarks are learnt from it.
+    latest: Option<(f64, Vec<SeenPoint>)>,
+    contradicts: bool,
+}
+
+impl MappedLandmarks {
+    /// Makes the method for a point camera on a robot. `map` are the landmarks that are known from an earlier drive.
+    pub fn new(
+        camera: PointCameraModel,
+        robot: &RobotModel,
+        map: &[(LandmarkId, SpacePoint)],
+        learning: Learning,
+    ) -> MappedLandmarks {
+        MappedLandmarks {
+            stray: Stray::by_reach(camera.stamp_error_s, &robot.reach),
+            optics: Arc::new(Optics::new(camera, robot.body)),
+            atlas: Atlas::of(map, learning == Learning::Teaches),
+            learns: learning != Learning::Never,
+            latest: None,
+            contradicts: false,
+        }
+    }
+
+    /// What the image points relate, as far as their landmarks are known.
+    fn related(&self, seen: &[SeenPoint]) -> Points {
+        let known = |one: &SeenPoint| Some((one.landmark, self.atlas.point(one.landmark)?, one.at_px));
+        let mut seen: Vec<_> = seen.iter().filter_map(known).collect();
+        // The error of a direction is that of the slopes, and what the inverse depth makes for each metre that the robot is away from the anchor.
+        let error = |point: &SpacePoint| point.value.iter().map(|one| one.width()).sum::<f64>();
+        seen.sort_by(|(a, one, _), (b, other, _)| error(one).total_cmp(&error(other)).then(a.cmp(b)));
+        seen.truncate(MOST_RELATED);
+        Points { optics: Arc::clone(&self.optics), seen }
+    }
+}
+
+impl Method for MappedLandmarks {
+    fn name(&self) -> &'static str {
+        "mapped_landmarks"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Other { device, .. } if device == DEVICE)
+    }
+
+    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
+        let Reading::Other { measured_s, numbers, .. } = reading else { return None };
+        let seen = SeenPoint::of(numbers)?;
+        let points = self.related(&seen);
+        self.latest = self.learns.then_some((*measured_s, seen));
+        let relations = Arc::new(points);
+        let n_known = relations.seen.len();
+        let on_pose = PoseByRows { relations: Arc::clone(&relations) as Arc<_>, stray: self.stray };
+        Some(Constraint {
+            relies_on: if n_known > 0 { RELIES_ON.to_vec() } else { Vec::new() },
+            // Two landmarks give four equations for three coordinates of the pose.
+            decides: n_known > 1,
+            relations: (n_known > 0).then_some(relations as Arc<_>),
+            ..Constraint::new(self.name(), *measured_s, on_pose)
+        })
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for MappedLandmarks {
+    fn forget_since(&mut self, since_s: f64) {
+        self.atlas.forget_since(since_s);
+        self.latest = None;
+    }
+
+    fn clock_set_back(&mut self) {
+        self.atlas.begin_anew();
+        self.latest = None;
+    }
+
+    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
+        let Some((stamp_s, seen)) = self.latest.take() else { return };
+        let pose = posterior.hull();
+        // The pose that the image shows.
+        let shown = PoseBox::from([0, 1, 2].map(|axis| pose[axis].inflate(self.stray.of_axis(axis))));
+        self.contradicts |= !pose.is_empty() && !self.atlas.learn(stamp_s, &shown, &seen, &self.optics);
+    }
+
+    fn take_contradiction(&mut self) -> bool {
+        std::mem::take(&mut self.contradicts)
+    }
+
+    /// Landmarks whose depth is bounded, seen from above.
+    fn landmarks(&self) -> Vec<(LandmarkId, [interval::Interval; 2])> {
+        let above = |(landmark, point): (LandmarkId, SpacePoint)| {
+            let [x, y, _] = point.place_m()?;
+            Some((landmark, [x, y]))
+        };
+        self.atlas.points().filter_map(above).collect()
+    }
+
+    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        self.atlas.taught(&self.optics)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

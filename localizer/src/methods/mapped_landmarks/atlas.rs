@@ -1,0 +1,274 @@
+//! The landmarks that are known: those of the map, and those that are learnt from a window of images at poses that are known well enough.
+
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Arc,
+};
+
+use interval::Interval;
+
+use crate::{
+    PoseBox,
+    graph::{Relations, Variable, bounds_over},
+    map::SpacePoint,
+    reading::LandmarkId,
+};
+
+use super::{camera::SeenPoint, ray::Optics, relate::Points};
+
+/// Greatest number of images in the window. In a drive of 3 m past 16 landmarks, with poses known to 1 cm and 20 mrad, a window of eight narrows headings
+/// to 4 mrad and directions to landmarks a tenfold.
+const MOST_IMAGES: usize = 8;
+/// Greatest number of landmarks that the images of the window relate.
+const MOST_LANDMARKS: usize = 20;
+/// Least distance, in metres, or turn, in radians, of the robot between two images of the window.
+const APART_M: f64 = 0.3;
+const APART_RAD: f64 = 0.15;
+/// Number of coordinates, of poses or of landmarks, that are bounded after one image: work is spread over the images. Each takes some 1.5 ms.
+const BOUNDED_AT_ONCE: usize = 6;
+/// Spacings, in images, of the programs of a taught map, one for each pass over all images of the drive; and the number of images from one program to
+/// the next. Images far apart tell the direction of the way between them by their positions, near ones show the most landmarks in common.
+const SPACINGS: [usize; 4] = [1, 3, 2, 4];
+const STRIDE: usize = 3;
+/// Widest heading, in radians, of an image in the window.
+const WIDEST_RAD: f64 = 0.3;
+/// Least time between two earlier states of a landmark that are kept, and their greatest number.
+const FORMER_S: f64 = 1.0;
+const MOST_FORMER: usize = 8;
+
+/// All landmarks that are known, by their numbers, and the window of images.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Atlas {
+    entries: BTreeMap<LandmarkId, Entry>,
+    window: VecDeque<Image>,
+    /// Images of the whole drive, where a map is to be taught.
+    album: Option<Vec<Image>>,
+    /// Number of coordinates that were bounded so far, by which all take turns.
+    n_bounded: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    point: SpacePoint,
+    /// The landmark of the map, to which it falls back; `None` for a landmark that is on no map.
+    of_map: Option<SpacePoint>,
+    /// Earlier states of the landmark, each with the stamp of the latest image that it follows from.
+    former: VecDeque<(f64, SpacePoint)>,
+    /// Stamp of the latest image that the landmark's box follows from.
+    since_s: f64,
+}
+
+/// An image of the window.
+#[derive(Clone, Debug)]
+struct Image {
+    stamp_s: f64,
+    /// Box of the pose that the image shows.
+    pose: PoseBox,
+    seen: Vec<SeenPoint>,
+}
+
+/// A coordinate that the window's program bounds.
+#[derive(Clone, Copy, Debug)]
+enum Coordinate {
+    /// Coordinate of the pose of an image, given by its place in the window.
+    Pose(usize, usize),
+    /// Coordinate of a landmark.
+    Point(LandmarkId, usize),
+}
+
+impl Atlas {
+    /// The atlas of a map's landmarks. To teach a map, images of the whole drive are kept.
+    pub(super) fn of(points: &[(LandmarkId, SpacePoint)], teaches: bool) -> Atlas {
+        let entry = |&(landmark, point): &(LandmarkId, SpacePoint)| {
+            (landmark, Entry { of_map: Some(point), ..Entry::new(point, f64::NEG_INFINITY) })
+        };
+        let album = teaches.then(Vec::new);
+        Atlas { entries: points.iter().map(entry).collect(), album, ..Atlas::default() }
+    }
+
+    /// What is known of a landmark.
+    pub(super) fn point(&self, landmark: LandmarkId) -> Option<SpacePoint> {
+        Some(self.entries.get(&landmark)?.point)
+    }
+
+    /// All landmarks, in the order of their numbers.
+    pub(super) fn points(&self) -> impl Iterator<Item = (LandmarkId, SpacePoint)> {
+        self.entries.iter().map(|(&landmark, entry)| (landmark, entry.point))
+    }
+
+    /// Learns from the image points of an image that shows a pose within the given box. Returns whether they agree with what was known; where they do
+    /// not, nothing changes but that the window begins anew.
+    pub(super) fn learn(&mut self, stamp_s: f64, pose: &PoseBox, seen: &[SeenPoint], optics: &Arc<Optics>) -> bool {
+        if pose.is_empty() || pose[2].width() > WIDEST_RAD || !(0..2).all(|axis| pose[axis].is_bounded()) {
+            return true;
+        }
+        for one in seen {
+            if !self.entries.contains_key(&one.landmark)
+                && let Some(point) = optics.first_seen(pose, one.at_px)
+            {
+                self.entries.insert(one.landmark, Entry::new(point, stamp_s));
+            }
+        }
+        let image = || Image { stamp_s, pose: *pose, seen: seen.to_vec() };
+        if let Some(album) = &mut self.album
+            && album.last().is_none_or(|last| is_apart(&last.pose, pose))
+        {
+            album.push(image());
+        }
+        if self.window.iter().all(|image| is_apart(&image.pose, pose)) {
+            self.window.push_back(image());
+            if self.window.len() > MOST_IMAGES {
+                self.window.pop_front();
+            }
+        }
+        let mut window = std::mem::take(&mut self.window);
+        let n_bounded = self.narrow(window.make_contiguous(), self.n_bounded, BOUNDED_AT_ONCE, optics);
+        let agrees = n_bounded.is_some();
+        if let Some(n_bounded) = n_bounded {
+            self.window = window;
+            self.n_bounded += n_bounded;
+        }
+        agrees
+    }
+
+    /// The landmarks by all images of the album: a program of each few images that follow each other, over and over. What is known now is the answer
+    /// where no album was kept, and where its images contradict each other.
+    pub(super) fn taught(&self, optics: &Arc<Optics>) -> Vec<(LandmarkId, SpacePoint)> {
+        let mut atlas = self.clone();
+        let mut album = atlas.album.take().unwrap_or_default();
+        for spacing in SPACINGS {
+            for first in (0..album.len()).step_by(STRIDE) {
+                let places: Vec<usize> = (first..album.len()).step_by(spacing).take(MOST_IMAGES).collect();
+                let mut window: Vec<Image> = places.iter().map(|&at| album[at].clone()).collect();
+                if atlas.narrow(&mut window, 0, usize::MAX, optics).is_none() {
+                    return self.points().collect();
+                }
+                for (at, image) in places.into_iter().zip(window) {
+                    album[at].pose = image.pose;
+                }
+            }
+        }
+        atlas.points().collect()
+    }
+
+    /// Bounds at most so many coordinates of the images' poses and of the landmarks that they show, from the given one on in turn. Returns how many
+    /// were bounded; `None` where no values are left, and then nothing has changed.
+    fn narrow(&mut self, window: &mut [Image], first: usize, most: usize, optics: &Arc<Optics>) -> Option<usize> {
+        let landmarks = self.related(window);
+        let newest_s = window.iter().map(|image| image.stamp_s).fold(f64::NEG_INFINITY, f64::max);
+        if landmarks.is_empty() {
+            return Some(0);
+        }
+        let poses = (0..window.len()).flat_map(|image| (0..3).map(move |axis| Coordinate::Pose(image, axis)));
+        let points = landmarks.iter().flat_map(|&landmark| (0..3).map(move |k| Coordinate::Point(landmark, k)));
+        let all: Vec<Coordinate> = poses.chain(points).collect();
+        let turn: Vec<Coordinate> = (0..most.min(all.len())).map(|at| all[(first + at) % all.len()]).collect();
+        let images: Vec<(PoseBox, Points)> = window
+            .iter()
+            .map(|image| {
+                let related = image.seen.iter().filter(|one| landmarks.binary_search(&one.landmark).is_ok());
+                let known = |one: &SeenPoint| Some((one.landmark, self.point(one.landmark)?, one.at_px));
+                (image.pose, Points { optics: Arc::clone(optics), seen: related.filter_map(known).collect() })
+            })
+            .collect();
+        let readings: Vec<(PoseBox, &dyn Relations)> =
+            images.iter().map(|(pose, points)| (*pose, points as &dyn Relations)).collect();
+        let wanted: Vec<Variable> = turn.iter().map(|coordinate| coordinate.variable()).collect();
+        let bounds = bounds_over(&readings, &wanted)?;
+        for (&coordinate, &bound) in turn.iter().zip(&bounds) {
+            match coordinate {
+                Coordinate::Pose(image, axis) => {
+                    let pose = &mut window[image].pose;
+                    pose[axis] = pose[axis].intersect(bound);
+                }
+                Coordinate::Point(landmark, k) => {
+                    if let Some(entry) = self.entries.get_mut(&landmark) {
+                        entry.narrow(k, bound, newest_s);
+                    }
+                }
+            }
+        }
+        Some(turn.len())
+    }
+
+    /// The landmarks that at least two images show, those that most show first where there are too many; in the order of their numbers.
+    fn related(&self, window: &[Image]) -> Vec<LandmarkId> {
+        let mut shown: BTreeMap<LandmarkId, usize> = BTreeMap::new();
+        for one in window.iter().flat_map(|image| &image.seen) {
+            *shown.entry(one.landmark).or_default() += 1;
+        }
+        let mut often: Vec<(usize, LandmarkId)> = shown
+            .into_iter()
+            .filter(|(landmark, n_shown)| *n_shown > 1 && self.entries.contains_key(landmark))
+            .map(|(landmark, n_shown)| (n_shown, landmark))
+            .collect();
+        often.sort_by_key(|&(n_shown, landmark)| (std::cmp::Reverse(n_shown), landmark));
+        let mut landmarks: Vec<LandmarkId> =
+            often.into_iter().map(|(_, landmark)| landmark).take(MOST_LANDMARKS).collect();
+        landmarks.sort_unstable();
+        landmarks
+    }
+
+    /// Takes back everything that was learnt from images stamped later than the given time, and what cannot be told from it.
+    pub(super) fn forget_since(&mut self, since_s: f64) {
+        // The poses of the window follow from each other.
+        self.window.clear();
+        self.album.iter_mut().for_each(|album| album.retain(|image| image.stamp_s <= since_s));
+        self.entries.retain(|_, entry| {
+            if entry.since_s <= since_s {
+                return true;
+            }
+            entry.former.retain(|&(stamp_s, _)| stamp_s <= since_s);
+            let before = entry.former.back().copied();
+            let Some((stamp_s, point)) = before.or(entry.of_map.map(|point| (f64::NEG_INFINITY, point))) else {
+                return false;
+            };
+            (entry.since_s, entry.point) = (stamp_s, point);
+            true
+        });
+    }
+
+    /// Makes all that is known the knowledge with which a new drive begins.
+    pub(super) fn begin_anew(&mut self) {
+        self.window.clear();
+        self.album.iter_mut().for_each(Vec::clear);
+        for entry in self.entries.values_mut() {
+            *entry = Entry { of_map: Some(entry.point), ..Entry::new(entry.point, f64::NEG_INFINITY) };
+        }
+    }
+}
+
+impl Coordinate {
+    /// The coordinate as a quantity of the window's program.
+    fn variable(self) -> Variable {
+        match self {
+            Coordinate::Pose(image, axis) => Variable::Pose(image, axis),
+            Coordinate::Point(landmark, k) => Variable::Point(landmark, k),
+        }
+    }
+}
+
+impl Entry {
+    fn new(point: SpacePoint, since_s: f64) -> Entry {
+        Entry { point, of_map: None, former: VecDeque::new(), since_s }
+    }
+
+    /// Narrows a coordinate by what follows from images up to a stamp.
+    fn narrow(&mut self, coordinate: usize, bound: Interval, stamp_s: f64) {
+        if self.former.back().is_none_or(|&(former_s, _)| self.since_s >= former_s + FORMER_S) {
+            self.former.push_back((self.since_s, self.point));
+            if self.former.len() > MOST_FORMER {
+                self.former.pop_front();
+            }
+        }
+        let value = &mut self.point.value[coordinate];
+        *value = value.intersect(bound);
+        self.since_s = self.since_s.max(stamp_s);
+    }
+}
+
+/// Whether two poses are so far apart that two images tell more than one.
+fn is_apart(a: &PoseBox, b: &PoseBox) -> bool {
+    let apart = [0, 1, 2].map(|axis| a[axis].mid() - b[axis].mid());
+    apart[0].hypot(apart[1]) >= APART_M || apart[2].abs() >= APART_RAD
+}

@@ -1,0 +1,114 @@
+//! What the image points of one image relate: the pose, the constants of the camera, the lean of the body, and the landmarks.
+
+use std::sync::Arc;
+
+use interval::Interval;
+
+use crate::{
+    PoseBox,
+    bounds::{self, Assumption},
+    graph::{Disc, Domain, Relations, Row, Stray, Variable},
+    map::SpacePoint,
+    reading::LandmarkId,
+    robot::cayley_radius,
+};
+
+use super::{
+    camera::DEVICE,
+    ray::{HEAVE, N_PARAMETERS, Optics, POINT, Parameters, TURN, variable},
+};
+
+/// Image points of landmarks, with what is known of each landmark.
+#[derive(Clone)]
+pub(super) struct Points {
+    pub(super) optics: Arc<Optics>,
+    pub(super) seen: Vec<(LandmarkId, SpacePoint, [f64; 2])>,
+}
+
+impl Points {
+    fn rows_of(
+        &self,
+        (landmark, point, at_px): &(LandmarkId, SpacePoint, [f64; 2]),
+        frame: usize,
+        domain: &Domain,
+    ) -> Vec<Row> {
+        // What no quantity of the graph stands for keeps its interval.
+        let own = self.optics.parameters(&PoseBox::from([Interval::ZERO; 3]), point.value);
+        let named: [Option<Variable>; N_PARAMETERS] = std::array::from_fn(|k| variable(k, frame, *landmark));
+        let over_box: Parameters = std::array::from_fn(|k| named[k].map_or(own[k], |one| domain.value(one)));
+        if over_box.iter().any(|value| value.is_empty() || !value.is_bounded()) {
+            return Vec::new();
+        }
+        let at_middle: Parameters =
+            std::array::from_fn(|k| Interval::point(named[k].map_or(own[k].mid(), |one| domain.reference(one))));
+        // From the middle the other parameters are moved first, with the landmark's in the middle, and then the landmark's: the product of both
+        // deviations, which is most of what a row loses, counts once in this way, and twice with slopes over the whole box.
+        let landmark_at_middle: Parameters =
+            std::array::from_fn(|k| if POINT.contains(&k) { at_middle[k] } else { over_box[k] });
+        let equations = |parameters: &Parameters| self.optics.equations(parameters, &point.anchor, *at_px);
+        let (over_box, depth) = equations(&over_box);
+        let [others, at_middle] = [landmark_at_middle, at_middle].map(|parameters| equations(&parameters).0);
+        let slope = |equation: usize, k: usize| {
+            let moved = if POINT.contains(&k) { &over_box } else { &others };
+            moved[equation].slopes[k]
+        };
+        // Rows count in about the image's units of a focal length, so that their coefficients are of the size of those of other rows. The factor is a
+        // power of two, by which numbers are multiplied without a rounding error.
+        let unit = Interval::point((-self.optics.camera.focal_px.mid().log2().round()).exp2());
+        let error = Interval::centred(0.0, self.optics.camera.error_px) * depth.value * unit;
+        let row = |k: usize| {
+            let slopes: Parameters = std::array::from_fn(|parameter| slope(k, parameter) * unit);
+            let terms: Vec<(Variable, Interval)> =
+                (0..N_PARAMETERS).filter_map(|k| Some((named[k]?, slopes[k]))).collect();
+            let [heave, turn] = [HEAVE, TURN].map(|k| slopes[k] * own[k]);
+            Row::new(domain, &terms, error - at_middle[k].value * unit - heave - turn)
+                .with_part(bounds::POINT_CAMERA_POINTS, error.radius())
+                .with_part(bounds::BODY_HEAVE, heave.radius())
+                .with_part(bounds::BODY_TILT, turn.radius())
+                .by_device(DEVICE)
+        };
+        vec![row(0), row(1)]
+    }
+}
+
+impl Relations for Points {
+    fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        let mut quantities = Vec::new();
+        for (landmark, point, _) in &self.seen {
+            let parameters = self.optics.parameters(pose, point.value);
+            for (k, value) in parameters.into_iter().enumerate() {
+                let variable = variable(k, frame, *landmark).filter(|one| !matches!(one, Variable::Pose(..)));
+                quantities.extend(variable.map(|variable| (variable, value)));
+            }
+        }
+        quantities.sort_by_key(|&(variable, _)| variable);
+        quantities.dedup_by_key(|&mut (variable, _)| variable);
+        quantities
+    }
+
+    fn discs(&self, frame: usize) -> Vec<Disc> {
+        let body = [0, 1].map(|axis| Variable::BodyTilt(frame, axis));
+        let mount = [0, 1].map(|axis| Variable::Constant(crate::graph::Constant::PointTilt(axis)));
+        vec![(body, cayley_radius(self.optics.body.tilt_rad)), (mount, cayley_radius(self.optics.camera.tilt_rad))]
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        self.optics.camera.stamp_error_s
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        bounds::POINT_CAMERA_STAMP
+    }
+
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        stray.metres
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        [bounds::POINT_CAMERA_STAMP, bounds::REACH_SPEED].map(|bound| (bound, stray.metres)).to_vec()
+    }
+
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
+        self.seen.iter().flat_map(|one| self.rows_of(one, frame, domain)).collect()
+    }
+}
