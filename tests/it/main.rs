@@ -52,6 +52,8 @@ mod gyro_errors;
 mod range_sensing;
 /// Tests of whole runs that localize by landmarks that are on no map.
 mod range_runs;
+/// Tests of the point camera, and of maps of landmarks that one drive teaches and others use.
+mod mapped_landmarks;
 /// Tests of computing poses from tile joints, against a camera and a floor written for these tests alone.
 mod floor_tiles_geometry;
 /// Tests of computing headings from level edges of walls, against a camera written for these tests alone.

@@ -6,15 +6,22 @@ use std::{env, fmt::Write, fs, io, path::PathBuf, sync::OnceLock};
 use localizer::{Estimate, Status};
 use sha2::{Digest, Sha256};
 
-use crate::{place::navigation::map_server, scene::Scene, truth::Truth};
+use crate::{
+    place::{landmark_map, navigation::map_server},
+    scene::Scene,
+    truth::Truth,
+};
 
-/// Digest of all that a scene states and of the map that it names. The layout and the comments of the scene's file do not matter.
+/// Digest of all that a scene states and of the maps that it names. The layout and the comments of the scene's file do not matter.
 pub fn scene_digest(scene: &Scene) -> String {
     // The keys of a scene are texts, so that serialising it cannot fail.
     let mut hasher = Sha256::new_with_prefix(serde_json::to_vec(scene).unwrap_or_default());
     if let Some(grid) = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.as_ref()) {
         hasher.update(map_server::header(grid, ""));
         hasher.update(map_server::pgm(grid));
+    }
+    if let Some(known) = scene.localizer.mapped_landmarks.as_ref().and_then(|setup| setup.known.as_ref()) {
+        hasher.update(landmark_map::text(known));
     }
     hex(&hasher.finalize())
 }

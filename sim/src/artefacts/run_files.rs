@@ -8,6 +8,7 @@
 //! | `boxes.csv` | every box of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
 //! | `distribution.csv` | mean, covariance and normalised error at every step, for a localizer that states distributions |
+//! | `landmarks.json` | the map of landmarks in space that the localizer knew at the end, if any, for `localizer.mapped_landmarks.map` |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
 //! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers with baselines |
 //! | `subject.log` | what a tested localizer in a process of its own wrote to its standard error, if anything |
@@ -28,7 +29,9 @@ use crate::{
     artefacts::{debug_frames, recording::Recording},
     judge::Verdict,
     loading::SceneFile,
+    place::landmark_map,
     run::RunRecord,
+    scene::{LandmarkMap, Scene},
 };
 
 mod errands;
@@ -150,6 +153,9 @@ fn read_json(path: &Path) -> Result<Value, RecordError> {
 /// File in the folder of a run with what the localizer under test wrote for its author.
 pub(crate) const SUBJECT_LOG: &str = "subject.log";
 
+/// File in the folder of a run with the map of landmarks in space that the localizer knew at the end.
+pub(crate) const LANDMARKS: &str = "landmarks.json";
+
 /// Ending of the name of a folder or file that is still being written.
 const PARTIAL: &str = ".partial";
 
@@ -182,6 +188,9 @@ pub(crate) fn fill(
     if let Some(log) = record.subject_log.as_ref().filter(|log| !log.is_empty()) {
         write(SUBJECT_LOG, log.clone())?;
     }
+    if let Some(map) = learnt_map(&file.scene, record) {
+        write(LANDMARKS, landmark_map::text(&map))?;
+    }
     if let Some(tables) = marker_tables::marker_tables(&file.scene, record) {
         write("marker_tables.md", tables)?;
     }
@@ -195,6 +204,15 @@ pub(crate) fn fill(
         recording.finish(&summary, partial)?;
     }
     write("summary.json", summary.to_text())
+}
+
+/// The map of the landmarks in space that the localizer knew at the end of a run, if there are any.
+fn learnt_map(scene: &Scene, record: &RunRecord) -> Option<LandmarkMap> {
+    let landmarks = record.space_points.clone();
+    let relied = record.estimates.last().map_or(&[][..], |estimate| &estimate.relies_on);
+    let relies_on = relied.iter().map(|bound| (*bound).to_owned()).collect();
+    let room_m = [scene.room.width_m, scene.room.depth_m];
+    (!landmarks.is_empty()).then_some(LandmarkMap { room_m, relies_on, landmarks })
 }
 
 /// Puts the folder `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder under another name.

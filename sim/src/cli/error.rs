@@ -21,6 +21,16 @@ pub(super) enum CommandError {
     #[error(transparent)]
     Map(#[from] crate::place::navigation::map_server::MapError),
     #[error(transparent)]
+    LandmarkMap(#[from] crate::place::landmark_map::LandmarkMapError),
+    #[error("teach a map by {0} drives, expected one scene and one seed")]
+    SeveralTaught(usize),
+    #[error("teach a map by {}: `{key}` leaves nothing to learn, expected {expected}", scene.display())]
+    TeachesNothing { scene: PathBuf, key: &'static str, expected: &'static str },
+    #[error("teach a map by {}: no landmark was seen where the pose was known, expected a `[robot.point_camera]` and some `[[landmark]]` in its view", .0.display())]
+    LearntNothing(PathBuf),
+    #[error("set a key: {0}")]
+    Setting(String),
+    #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
     Replay(#[from] ReplayError),

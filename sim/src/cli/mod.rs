@@ -25,6 +25,7 @@ mod manual;
 mod map;
 mod markers;
 mod reading;
+mod repeat;
 mod render;
 mod replay;
 mod report;
@@ -34,6 +35,7 @@ mod scenes_and_seeds;
 mod sharpness;
 mod sweep;
 mod table;
+mod teach;
 mod tested;
 mod upgrade;
 mod weaken;
@@ -61,6 +63,8 @@ Examples:
   wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
                                                                   every value with twenty seeds, and a report
   wherein falsify --minutes 10                                    a search for random scenes that fail
+  wherein teach scenes/landmarks/teach.toml --map map.json        a drive that learns where landmarks are
+  wherein repeat scenes/landmarks/repeat.toml --map map.json      a drive by that map
   wherein check scenes/x.toml                                     what the cameras would show, before the scene is run
   wherein weaken scenes/x.toml --set robot.errors=corner          how tight the scene's bounds are
   wherein sharpness renders/x/0                                   how much wider its boxes are than they must be
@@ -81,6 +85,10 @@ Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not
 enum Command {
     /// Runs scenes with the localizer and records the results.
     Run(run::RunArguments),
+    /// Runs a scene whose localizer learns where landmarks are, and keeps the map of them in a file.
+    Teach(teach::TeachArguments),
+    /// Runs scenes with a map of landmarks that `wherein teach` has made.
+    Repeat(repeat::RepeatArguments),
     /// Takes pictures along a scene's way and tells what the localizer's methods would see in them, before the scene is run.
     Check(check::CheckArguments),
     /// Gives the localizer ever narrower bounds until it loses the truth, to show how tight the declared bounds are.
@@ -153,6 +161,8 @@ pub fn main() -> ExitCode {
     let adapter = adapter.as_deref();
     let outcome = match command {
         Command::Run(arguments) => run::run_scenes(&arguments, adapter),
+        Command::Teach(arguments) => teach::teach(arguments, adapter),
+        Command::Repeat(arguments) => repeat::repeat(arguments, adapter),
         Command::Check(arguments) => check::check_scene(&arguments, adapter),
         Command::Weaken(arguments) => weaken::weaken_scenes(&arguments, adapter),
         Command::Sharpness(arguments) => sharpness::sharpness(&arguments, adapter),

@@ -34,7 +34,7 @@ use super::{
 #[command(after_help = RUN_AFTER_HELP)]
 pub(super) struct RunArguments {
     #[command(flatten)]
-    which: ScenesAndSeeds,
+    pub(super) which: ScenesAndSeeds,
     #[command(flatten)]
     tested: Tested,
     /// Run other methods on the same readings too, to compare with: the papers' own and what a careful engineer would use. Their time is not counted
@@ -43,7 +43,7 @@ pub(super) struct RunArguments {
     baselines: bool,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Images for which the run writes debug frames, pictures of what the vision found: none, failures, every=N or all.
     #[arg(long, value_name = "WHICH", default_value = "none")]
     frames: FramesPolicy,

@@ -14,6 +14,7 @@ mod floor_camera;
 mod forward_camera;
 pub mod gnss;
 pub mod gyro;
+pub mod point_camera;
 pub mod proximity;
 pub mod range_camera;
 mod surroundings;
@@ -27,8 +28,8 @@ use localizer::{Map, Method, Reading, RobotModel, bounds::Assumption, reading::L
 use crate::{
     place::Bystander,
     scene::{
-        CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gnss, Gyro, MethodName, RangeCamera, Robot,
-        Scene, with_every_kind, with_every_method,
+        CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gnss, Gyro, MethodName, PointCamera,
+        RangeCamera, Robot, Scene, with_every_kind, with_every_method,
     },
     truth::Truth,
 };

@@ -9,7 +9,7 @@ use toml::{
 };
 
 use crate::{
-    place::navigation::map_server,
+    place::{landmark_map, navigation::map_server},
     scene::{Scene, SceneError, Sources, conform, problem::Problem},
 };
 
@@ -56,7 +56,7 @@ fn valid(document: &Spanned<DeTable<'_>>, sources: &Sources, folder: Option<&Pat
     let mut scene = <Scene as Deserialize>::deserialize(Deserializer::from(document.clone()))
         .map_err(|error| vec![Problem::of_toml(&error, 0)])?;
     scene.spread_stations();
-    let unreadable = survey(&mut scene, folder).err();
+    let unreadable = survey(&mut scene, folder).and_then(|()| recall(&mut scene, folder)).err();
     let misplaced: Vec<Problem> = unreadable
         .map_or_else(|| places::contradictions(&scene), |unreadable| vec![unreadable])
         .into_iter()
@@ -89,5 +89,21 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
     let Some((map, folder)) = navigation.map.as_ref().zip(folder) else { return Ok(()) };
     let unreadable = |error| Contradiction { key: "navigation.map".to_owned(), expected: format!("failed to {error}") };
     navigation.surveyed = Some(map_server::read(&folder.join(map)).map_err(unreadable)?);
+    Ok(())
+}
+
+/// Reads the map of landmarks that a scene names.
+fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction> {
+    let room_m = [scene.room.width_m, scene.room.depth_m];
+    let Some(setup) = &mut scene.localizer.mapped_landmarks else { return Ok(()) };
+    let Some((map, folder)) = setup.map.as_ref().zip(folder) else { return Ok(()) };
+    let refused = |expected| Contradiction { key: "localizer.mapped_landmarks.map".to_owned(), expected };
+    let known = landmark_map::read(&folder.join(map)).map_err(|error| refused(format!("failed to {error}")))?;
+    if known.room_m != room_m {
+        let expected =
+            format!("{map} is of a room of {:?} m, expected a map of this room of {room_m:?} m", known.room_m);
+        return Err(refused(expected));
+    }
+    setup.known = Some(known);
     Ok(())
 }

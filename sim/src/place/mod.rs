@@ -9,6 +9,7 @@
 //! | [`light`] | what lamps give, shadows, light from wall to wall, light maps |
 //! | `floor` | the floor under a point: friction, height, pile |
 //! | `sight` | what stands between two points |
+//! | [`landmark_map`] | files of maps of landmarks that a drive has learnt |
 //! | [`navigation`] | where a robot can go: occupancy grids, their files, paths through them |
 
 pub mod drawn;
@@ -17,6 +18,7 @@ mod draw;
 pub mod light;
 pub(crate) mod floor;
 pub(crate) mod sight;
+pub mod landmark_map;
 pub mod navigation;
 
 /// A person at an instant, as an upright cylinder on the floor.

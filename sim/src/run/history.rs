@@ -7,6 +7,7 @@ use localizer::{
     Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     bounds::Assumption,
     localizer::{Contradiction, PoseWidth},
+    map::SpacePoint,
     quota::Quota,
     reading::{Camera, LandmarkId},
 };
@@ -53,6 +54,8 @@ pub struct RunRecord {
     pub contradictions: Vec<Contradiction>,
     /// What makes the width of the pose's box at each key frame of the localizer for which that is known.
     pub widths: Vec<PoseWidth>,
+    /// Landmarks in space that the localizer knew at the end, from a map or learnt, in the order of their numbers.
+    pub space_points: Vec<(LandmarkId, SpacePoint)>,
     /// What the localizer under test did wrong so that the run ended, if anything.
     pub subject_failure: Option<Failure>,
     /// What the localizer under test wrote for its author.
@@ -210,6 +213,7 @@ impl RunRecord {
             n_readings: 0,
             contradictions: Vec::new(),
             widths: Vec::new(),
+            space_points: Vec::new(),
             subject_failure: None,
             subject_log: None,
             has_boxes: true,

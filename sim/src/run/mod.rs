@@ -159,6 +159,7 @@ impl Simulation<'_> {
             let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here, start: here.start_box() };
             self.drive(&one, stage.as_mut(), subject, &mut record, progress)?;
         }
+        record.history.space_points = subject.space_points();
         record.history.subject_log = subject.end();
         Ok(record.finish(began))
     }

@@ -9,6 +9,7 @@ mod flow;
 mod forward_camera;
 mod gnss;
 mod gyro;
+mod point_camera;
 mod proximity;
 mod range_camera;
 
@@ -25,6 +26,7 @@ pub use flow::{Flow, FlowOptics};
 pub use forward_camera::ForwardCamera;
 pub use gnss::{Gnss, Outage, Reception, Shadow};
 pub use gyro::Gyro;
+pub use point_camera::PointCamera;
 pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
 
@@ -48,6 +50,9 @@ macro_rules! with_every_kind {
             flow: Flow as "Fitted<Flow>";
             /// Receiver of satellite navigation: a table of its keys, `true` for the default one, or `false` for none.
             gnss: Gnss as "Fitted<Gnss>";
+            /// Camera whose front end tells where in its image it sees which landmark: a table of its keys, `true` for the default one, or `false`
+            /// for none.
+            point_camera: PointCamera as "Fitted<PointCamera>";
         }
     };
 }
@@ -69,6 +74,9 @@ macro_rules! with_every_method {
             WallDirections reads forward_camera,
             /// Method that locates the robot by the positions of an antenna that a receiver of satellite navigation reports.
             GnssPositions reads gnss,
+            /// Method that locates the robot by landmarks in space whose places an earlier drive or this one has learnt, seen by a camera that knows
+            /// them again (paper 4).
+            MappedLandmarks reads point_camera,
         }
     };
 }

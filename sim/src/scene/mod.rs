@@ -19,7 +19,9 @@ mod expect;
 mod extend;
 mod floor;
 mod lamps;
+mod landmark_map;
 mod log;
+mod mapped_landmarks;
 mod markers;
 pub(crate) mod moved;
 mod navigation;
@@ -49,7 +51,9 @@ pub(crate) use extend::text_of;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use keys_page::keys_markdown;
 pub use lamps::{Lamp, LampKind, MAX_LAMPS, Spectrum};
+pub use landmark_map::LandmarkMap;
 pub use log::{Datum, ImuMount, Joints, Log, LoggedTruth, OdometryLaw, Stamps, Topics, UpAxis};
+pub use mapped_landmarks::MappedLandmarksSetup;
 pub(crate) use markers::UNDER_CEILING_M;
 pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation};
@@ -221,6 +225,10 @@ pub struct LocalizerSetup {
     /// finds the edges.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_directions: Option<WallDirectionsSetup>,
+    /// Setup of the method `mapped_landmarks`, which locates the robot by landmarks in space: what it knows of them beforehand, and whether it learns
+    /// more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mapped_landmarks: Option<MappedLandmarksSetup>,
     /// Whether the localizer learns the gyroscope's bias and scale: from the turns between fixes of the heading by other sensors, and, where
     /// `bounds.rest_turn_deg` is stated, also while the robot rests.
     pub learns_gyro: bool,
@@ -242,6 +250,7 @@ impl Default for LocalizerSetup {
             range_landmarks_freedom: RangeLandmarksFreedom::Full,
             range_landmarks_solver: RangeLandmarksSolver::OneShot,
             wall_directions: None,
+            mapped_landmarks: None,
             learns_gyro: false,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
@@ -253,6 +262,11 @@ impl LocalizerSetup {
     /// Setup of the method `wall_directions`, which finds the heading by level edges in images: the scene's, or the default if the scene states none.
     pub fn wall_directions(&self) -> WallDirectionsSetup {
         self.wall_directions.clone().unwrap_or_default()
+    }
+
+    /// Setup of the method `mapped_landmarks`, which locates the robot by landmarks in space: the scene's, or the default if the scene states none.
+    pub fn mapped_landmarks(&self) -> MappedLandmarksSetup {
+        self.mapped_landmarks.clone().unwrap_or_default()
     }
 }
 

@@ -3,7 +3,9 @@
 use localizer::{
     Localizer, Method, PoseBox, Reading,
     localizer::{Account, PoseWidth},
+    map::SpacePoint,
     motion::SlipExcess,
+    reading::LandmarkId,
 };
 
 use super::{Answer, Subject};
@@ -59,6 +61,10 @@ impl Subject for IntervalLocalizer {
 
     fn width_by_bound(&self) -> Option<&PoseWidth> {
         self.localizer.width_by_bound()
+    }
+
+    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        self.localizer.space_points()
     }
 
     fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {

@@ -17,7 +17,9 @@ use interval::Interval;
 use localizer::{
     Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     localizer::{Account, PoseWidth},
+    map::SpacePoint,
     motion::SlipExcess,
+    reading::LandmarkId,
 };
 
 use crate::scene::Scene;
@@ -75,6 +77,11 @@ pub trait Subject {
     /// this.
     fn width_by_bound(&self) -> Option<&PoseWidth> {
         None
+    }
+
+    /// Landmarks in space that the subject knows, from a map or learnt, for a map file; a subject without any need not implement this.
+    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        Vec::new()
     }
 
     /// What the subject did wrong so that it cannot go on, if anything: the run ends at the first failure, and its verdict tells it. A subject that

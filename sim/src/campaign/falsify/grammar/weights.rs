@@ -32,11 +32,12 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 44] = [
+const CHANCES: [(&str, f64); 47] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("log", 0.0),
     ("navigation.map", 0.0),
+    ("localizer.mapped_landmarks.map", 0.0),
     ("duration_s", 0.0),
     ("room", 0.0),
     ("building.room", 0.1),
@@ -57,6 +58,7 @@ const CHANCES: [(&str, f64); 44] = [
     ("robot.forward_camera", 1.0),
     ("robot.ceiling_camera", 1.0),
     ("robot.range_camera", 1.0),
+    ("robot.point_camera", 1.0),
     ("robot.gyro", 1.0),
     ("robot.flow", 1.0),
     ("robot.proximity", 0.5),
@@ -78,11 +80,12 @@ const CHANCES: [(&str, f64); 44] = [
     ("localizer", 1.0),
     ("localizer.methods", 1.0),
     ("localizer.wall_directions", 1.0),
+    ("localizer.mapped_landmarks", 0.7),
 ];
 
 /// Ranges from which values of keys are drawn, narrower than those of the schema: beyond them a robot tips over, stands still, or sees nothing, and
 /// every run is the same.
-const RANGES: [(&str, [f64; 2]); 129] = [
+const RANGES: [(&str, [f64; 2]); 136] = [
     ("start.tolerance_m", [0.0, 0.5]),
     ("start.tolerance_deg", [0.0, 20.0]),
     ("station.tolerance_m", [0.0, 0.3]),
@@ -169,6 +172,13 @@ const RANGES: [(&str, [f64; 2]); 129] = [
     ("range_camera.wrong_items_max", [0.0, 3.0]),
     ("range_camera.wrong_share", [0.0, 0.2]),
     ("range_camera.wrong_spacing", [0.0, 8.0]),
+    ("point_camera.focal_px", [100.0, 1_000.0]),
+    ("point_camera.width_px", [160.0, 1_280.0]),
+    ("point_camera.height_px", [120.0, 960.0]),
+    ("point_camera.period_s", [0.05, 1.0]),
+    ("point_camera.height_m", [0.1, 1.0]),
+    ("point_camera.least_depth_m", [0.05, 1.0]),
+    ("point_camera.greatest_depth_m", [1.5, 30.0]),
     ("gyro.period_s", [0.001, 0.1]),
     ("gyro.angle_random_walk_deg_per_sqrt_h", [0.0, 2.0]),
     ("markers.marker.misplaced_m", [-0.1, 0.1]),

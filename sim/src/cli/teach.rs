@@ -1,0 +1,75 @@
+//! `wherein teach`: a drive that learns where landmarks are, and a map of them for later drives.
+
+use std::{fs, path::PathBuf, process::ExitCode};
+
+use clap::Args;
+
+use crate::{
+    artefacts::run_files::{LANDMARKS, folder, prepare_for, replace_file},
+    scene::MethodName,
+};
+
+use super::{
+    CommandError, print,
+    run::{RunArguments, run_scenes},
+};
+
+/// Arguments of `wherein teach`.
+#[derive(Debug, Args)]
+#[command(after_help = TEACH_AFTER_HELP)]
+pub(super) struct TeachArguments {
+    #[command(flatten)]
+    run: RunArguments,
+    /// File for the map. An existing map is replaced when the drive is over and its expectations are met, never before.
+    #[arg(long, value_name = "FILE")]
+    map: PathBuf,
+}
+
+const TEACH_AFTER_HELP: &str = "\
+The scene's localizer needs the method `mapped_landmarks`, and another one that tells where the robot is, such as
+`gnss_positions`, `ceiling_markers` or `floor_tiles`. The map has every landmark as a ray with a bounded inverse depth, and
+the names of the bounds that it relies on. `wherein repeat` uses it.
+Exit code: 0 the map is written, 1 the drive did not meet its expectations and no map is written, 2 could not run.";
+
+/// Runs the scene and keeps the map that its localizer has learnt.
+pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
+    let files = arguments.run.which.load()?;
+    let [file] = &files[..] else { return Err(CommandError::SeveralTaught(files.len())) };
+    let seeds = arguments.run.which.seeds();
+    if seeds.end - seeds.start != 1 {
+        return Err(CommandError::SeveralTaught((seeds.end - seeds.start) as usize));
+    }
+    let setup = file.scene.localizer.mapped_landmarks();
+    if !file.scene.localizer.methods.contains(&MethodName::MappedLandmarks) {
+        return Err(CommandError::TeachesNothing {
+            scene: file.path.clone(),
+            key: "localizer.methods",
+            expected: "`mapped_landmarks` among them",
+        });
+    }
+    if !setup.learns {
+        return Err(CommandError::TeachesNothing {
+            scene: file.path.clone(),
+            key: "localizer.mapped_landmarks.learns",
+            expected: "true",
+        });
+    }
+    prepare_for(&arguments.map)?;
+    arguments.run.which.set.push("localizer.mapped_landmarks.teaches=true".parse().map_err(CommandError::Setting)?);
+    let outcome = run_scenes(&arguments.run, adapter)?;
+    if outcome != ExitCode::SUCCESS {
+        print("No map is written: the drive did not meet its expectations.\n")?;
+        return Ok(outcome);
+    }
+    let learnt = folder(&arguments.run.out, &file.name, seeds.start).join(LANDMARKS);
+    let text = fs::read_to_string(&learnt).map_err(|_| CommandError::LearntNothing(file.path.clone()))?;
+    replace_file(&arguments.map, &text)?;
+    let map = crate::place::landmark_map::read(&arguments.map)?;
+    let n_bounded = map.landmarks.iter().filter(|(_, point)| point.place_m().is_some()).count();
+    print(&format!(
+        "Map of {} landmarks, the depth of {n_bounded} of them bounded: {}\n",
+        map.landmarks.len(),
+        arguments.map.display()
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,231 @@
+//! Maps of landmarks in space as files: JSON with a format name, a version, and a digest of the text that shows damage.
+
+use std::{
+    fmt::Write,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use interval::Interval;
+use localizer::{
+    map::{Anchor, SpacePoint},
+    reading::LandmarkId,
+};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::scene::LandmarkMap;
+
+/// Name of the format, which every file states.
+const FORMAT: &str = "wherein landmark map";
+/// Version of the format that is written, the latest that can be read.
+const VERSION: u64 = 1;
+/// What stands for the digest in the text that the digest is of.
+const NO_DIGEST: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+/// Share of its size, and absolute part, by which every interval is made wider when it is written: numbers may be read back with a rounding error.
+const ROUNDING: f64 = 1e-12;
+
+/// Why a file is no map of landmarks. The text of the error follows "failed to".
+#[derive(Debug, thiserror::Error)]
+pub enum LandmarkMapError {
+    /// The file cannot be read.
+    #[error("read map {}: {source}", path.display())]
+    Unreadable {
+        /// Path of the file.
+        path: PathBuf,
+        /// Error that the operating system reported.
+        source: io::Error,
+    },
+    /// The file does not have the expected contents.
+    #[error("read map {}: {expected}", path.display())]
+    Invalid {
+        /// Path of the file.
+        path: PathBuf,
+        /// Description of what was found and what was expected.
+        expected: String,
+    },
+}
+
+/// The file as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    version: u64,
+    digest: String,
+    room_m: [f64; 2],
+    relies_on: Vec<String>,
+    landmarks: Vec<Entry>,
+}
+
+/// A landmark as it is written: its place is `anchor_m + (depth, slope·depth, slope·depth)` along the axis and the two axes that follow it.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    number: u32,
+    anchor_m: [f64; 3],
+    axis: String,
+    slopes: [[f64; 2]; 2],
+    inverse_depth_per_m: [f64; 2],
+}
+
+/// Names of the axes along which depths are counted.
+const AXES: [(&str, usize, bool); 6] =
+    [("+x", 0, true), ("-x", 0, false), ("+y", 1, true), ("-y", 1, false), ("+z", 2, true), ("-z", 2, false)];
+
+/// The text of a map's file.
+pub fn text(map: &LandmarkMap) -> String {
+    let entry = |&(landmark, point): &(LandmarkId, SpacePoint)| {
+        let written = |value: Interval| {
+            let wider = value.inflate(ROUNDING * (1.0 + value.magnitude()));
+            [wider.lo(), wider.hi()]
+        };
+        let axis = AXES
+            .iter()
+            .find(|(_, axis, is_positive)| (*axis, *is_positive) == (point.anchor.axis, point.anchor.is_positive));
+        let [alpha, beta, rho] = point.value.map(written);
+        Entry {
+            number: landmark.0,
+            anchor_m: point.anchor.from_m,
+            axis: axis.map_or("", |(name, ..)| name).to_owned(),
+            slopes: [alpha, beta],
+            inverse_depth_per_m: [rho[0].max(0.0), rho[1]],
+        }
+    };
+    let file = File {
+        format: FORMAT.to_owned(),
+        version: VERSION,
+        digest: NO_DIGEST.to_owned(),
+        room_m: map.room_m,
+        relies_on: map.relies_on.clone(),
+        landmarks: map.landmarks.iter().map(entry).collect(),
+    };
+    // The keys are texts and all numbers are finite, so that serialising cannot fail.
+    let text = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
+    let digest = digest_of(&text);
+    text.replacen(NO_DIGEST, &digest, 1)
+}
+
+/// Reads a map's file.
+pub fn read(path: &Path) -> Result<LandmarkMap, LandmarkMapError> {
+    let text =
+        fs::read_to_string(path).map_err(|source| LandmarkMapError::Unreadable { path: path.to_owned(), source })?;
+    parse(&text).map_err(|expected| LandmarkMapError::Invalid { path: path.to_owned(), expected })
+}
+
+/// The map that a text states, or what was expected instead.
+fn parse(text: &str) -> Result<LandmarkMap, String> {
+    let value: serde_json::Value = serde_json::from_str(text).map_err(|error| format!("{error}, expected JSON"))?;
+    if value["format"] != FORMAT {
+        return Err(format!("`format` is {}, expected \"{FORMAT}\"", value["format"]));
+    }
+    match value["version"].as_u64() {
+        Some(version) if version > VERSION => {
+            return Err(format!("`version` is {version}, of a later Wherein, expected at most {VERSION}"));
+        }
+        Some(VERSION) => {}
+        _ => return Err(format!("`version` is {}, expected {VERSION}", value["version"])),
+    }
+    let file: File = serde_json::from_value(value).map_err(|error| error.to_string())?;
+    if file.digest.len() != NO_DIGEST.len() || digest_of(&text.replacen(&file.digest, NO_DIGEST, 1)) != file.digest {
+        return Err("`digest` is not that of the text, expected a file as `wherein teach` wrote it".to_owned());
+    }
+    let landmarks = file.landmarks.iter().enumerate().map(|(index, entry)| {
+        point_of(entry)
+            .map(|point| (LandmarkId(entry.number), point))
+            .map_err(|(key, expected)| format!("`landmarks[{index}].{key}` is not possible, expected {expected}"))
+    });
+    let landmarks: Vec<(LandmarkId, SpacePoint)> = landmarks.collect::<Result<_, _>>()?;
+    if let Some(at) = (1..landmarks.len()).find(|&at| landmarks[at - 1].0 >= landmarks[at].0) {
+        return Err(format!("`landmarks[{at}].number` is out of order, expected each number once, the least first"));
+    }
+    Ok(LandmarkMap { room_m: file.room_m, relies_on: file.relies_on, landmarks })
+}
+
+/// The landmark of an entry, or the key that is at fault with what was expected of it.
+fn point_of(entry: &Entry) -> Result<SpacePoint, (&'static str, &'static str)> {
+    let interval = |[lo, hi]: [f64; 2]| (lo <= hi && lo.is_finite() && hi.is_finite()).then(|| Interval::new(lo, hi));
+    let &(_, axis, is_positive) =
+        AXES.iter().find(|(name, ..)| *name == entry.axis).ok_or(("axis", "one of +x, -x, +y, -y, +z and -z"))?;
+    if !entry.anchor_m.iter().all(|at_m| at_m.is_finite()) {
+        return Err(("anchor_m", "three numbers"));
+    }
+    let [alpha, beta] = entry.slopes.map(interval);
+    let (Some(alpha), Some(beta)) = (alpha, beta) else {
+        return Err(("slopes", "two pairs of numbers, the lesser first"));
+    };
+    let rho = interval(entry.inverse_depth_per_m).filter(|rho| rho.lo() >= 0.0);
+    let rho = rho.ok_or(("inverse_depth_per_m", "a pair of numbers from 0, the lesser first"))?;
+    Ok(SpacePoint { anchor: Anchor { from_m: entry.anchor_m, axis, is_positive }, value: [alpha, beta, rho] })
+}
+
+fn digest_of(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().fold(String::new(), |mut digest, byte| {
+        // Writing to a `String` cannot fail.
+        let _ = write!(digest, "{byte:02x}");
+        digest
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn map() -> LandmarkMap {
+        let anchor = Anchor { from_m: [1.0, -0.3, 0.4], axis: 1, is_positive: false };
+        let value = [Interval::new(-0.1, 1.0 / 3.0), Interval::new(0.2, 0.2), Interval::new(0.0, 0.7)];
+        let far = Anchor { axis: 2, is_positive: true, ..anchor };
+        LandmarkMap {
+            room_m: [5.0, 4.0],
+            relies_on: vec!["gnss.fixed".to_owned()],
+            landmarks: vec![
+                (LandmarkId(3), SpacePoint { anchor, value }),
+                (LandmarkId(9), SpacePoint { anchor: far, value }),
+            ],
+        }
+    }
+
+    #[test]
+    fn a_map_comes_back_from_its_text_hardly_wider() {
+        let (map, back) = (map(), parse(&text(&map())).unwrap());
+        assert_eq!((back.room_m, &back.relies_on), (map.room_m, &map.relies_on));
+        for ((id, point), (id_back, point_back)) in map.landmarks.iter().zip(&back.landmarks) {
+            assert_eq!((id, point.anchor), (id_back, point_back.anchor));
+            for (value, back) in point.value.iter().zip(&point_back.value) {
+                assert!(value.is_subset_of(*back) && back.width() < value.width() + 1e-11, "{value} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_map_is_refused_with_its_key() {
+        let good = text(&map());
+        let of_later = good.replacen("\"version\": 1", "\"version\": 2", 1);
+        let changed = good.replacen("-0.3", "-0.4", 1);
+        for (bad, told) in [
+            ("", "expected JSON"),
+            (&good[..good.len() / 2], "expected JSON"),
+            ("{}", "`format` is null"),
+            (&of_later, "`version` is 2, of a later Wherein, expected at most 1"),
+            (&changed, "`digest` is not that of the text"),
+        ] {
+            let refused = parse(bad).unwrap_err();
+            assert!(refused.contains(told), "{refused}");
+        }
+        let resigned = |from: &str, to: &str| {
+            let unsigned = good.replacen(&serde_json::from_str::<File>(&good).unwrap().digest, NO_DIGEST, 1);
+            let changed = unsigned.replacen(from, to, 1);
+            assert_ne!(unsigned, changed);
+            changed.replacen(NO_DIGEST, &digest_of(&changed), 1)
+        };
+        for (from, to, told) in [
+            ("\"-y\"", "\"y\"", "`landmarks[0].axis`"),
+            ("\"number\": 9", "\"number\": 3", "`landmarks[1].number` is out of order"),
+            ("0.7", "-0.7", "`landmarks[0].inverse_depth_per_m`"),
+        ] {
+            let refused = parse(&resigned(from, to)).unwrap_err();
+            assert!(refused.contains(told), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Tests of the point camera against geometry worked out by hand, of maps of landmarks that one drive teaches and others use, and of what is refused.
+
+use std::{fs, path::Path};
+
+use localizer::{Reading, methods::mapped_landmarks::SeenPoint};
+use serde_json::Value;
+use sim::{
+    devices::{
+        Sensor,
+        point_camera::{DrawnPointCamera, PointCameraSensor},
+    },
+    loading::SceneFile,
+    scene::Scene,
+    truth::Truth,
+};
+
+use crate::command::{folder, outcome, root, scene_text, wherein};
+
+/// What the point camera of the yard sees of the yard's landmarks at a true state, without errors.
+fn seen(more: &str, truth: &Truth) -> Vec<SeenPoint> {
+    let text = scene_text("landmarks/teach.toml").replace("point_camera = true", "");
+    let text = format!("{text}\n[robot.point_camera]\npoint_tolerance_px = 0.001\n{more}");
+    let scene = Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let camera = scene.robot.point_camera.as_ref().unwrap();
+    let mount = DrawnPointCamera {
+        position_m: [camera.forward_m, camera.left_m, camera.height_m],
+        yaw_rad: camera.yaw_deg.to_radians(),
+        tilt_rad: [0.0; 2],
+        focal_px: camera.focal_px,
+        centre_px: camera.centre_px(),
+    };
+    let observed = PointCameraSensor::new(camera, &mount, &scene, 0).observe(truth, &[]).unwrap();
+    let Reading::Other { device, numbers, .. } = observed.reading else { panic!() };
+    assert_eq!(device, "point_camera");
+    SeenPoint::of(&numbers).unwrap()
+}
+
+#[test]
+fn a_landmark_is_seen_where_a_pinhole_camera_sees_it() {
+    // Landmark 1 is at (0.99, 0.01) and 1.16 m high. A robot at (2.99, 2.01) that heads to −135° looks straight at it; with the camera 0.1 m ahead of
+    // its origin and 0.4 m high, the depth is √8 − 0.1 m, and the landmark is 0.76 m above the optical axis.
+    let mut truth = Truth { time_s: 1.0, ..Truth::default() };
+    (truth.pose.x_m, truth.pose.y_m, truth.pose.heading_rad) = (2.99, 2.01, f64::to_radians(-135.0));
+    let depth_m = f64::sqrt(8.0) - 0.1;
+    let at = |points: Vec<SeenPoint>| points.into_iter().find(|point| point.landmark.0 == 1).unwrap().at_px;
+    let level = at(seen("", &truth));
+    assert!((level[0] - 319.5).abs() < 0.01 && (level[1] - (239.5 - 320.0 * 0.76 / depth_m)).abs() < 0.01, "{level:?}");
+    // Tilted up by as much as the landmark is above the axis, the camera has it in the middle of its picture.
+    let up_deg = f64::atan2(0.76, depth_m).to_degrees();
+    let raised = at(seen(&format!("tilt_up_deg = {up_deg}\n"), &truth));
+    assert!((raised[0] - 319.5).abs() < 0.01 && (raised[1] - 239.5).abs() < 0.01, "{raised:?}");
+    // A camera that is turned by 10° to the left sees it 10° to the right, and one 0.3 m to the left of the robot's middle 0.3 m to the right.
+    let turned = at(seen("yaw_deg = 10.0\nforward_m = 0.0\n", &truth));
+    assert!((turned[0] - (319.5 + 320.0 * f64::to_radians(10.0).tan())).abs() < 0.01, "{turned:?}");
+    let beside = at(seen("left_m = 0.3\n", &truth));
+    assert!((beside[0] - (319.5 + 320.0 * 0.3 / depth_m)).abs() < 0.01, "{beside:?}");
+    // A robot that leans back by 2° has everything in its picture lower, and sees further up.
+    let leaning = at(seen("", &Truth { tilt_rad: [0.0, f64::to_radians(-2.0)], ..truth }));
+    assert!(leaning[1] > level[1] + 8.0, "{leaning:?} {level:?}");
+}
+
+#[test]
+fn what_the_hut_hides_is_not_seen() {
+    // At (3, 4), heading to x: the hut stands from x = 5 to 7, and everything behind it on the fence at x = 12 near y = 4 is hidden.
+    let mut truth = Truth { time_s: 1.0, ..Truth::default() };
+    (truth.pose.x_m, truth.pose.y_m) = (3.0, 4.0);
+    let numbers: Vec<u32> = seen("", &truth).iter().map(|point| point.landmark.0).collect();
+    let scene = SceneFile::load(&root().join("scenes/landmarks/teach.toml")).unwrap().scene;
+    let place = |number: u32| &scene.landmarks[number as usize];
+    assert!(numbers.iter().any(|&number| place(number).x_m < 5.0 && place(number).y_m > 3.5), "{numbers:?}");
+    assert!(
+        !numbers.iter().any(|&number| place(number).x_m > 11.0 && (place(number).y_m - 4.0).abs() < 1.0),
+        "{numbers:?}"
+    );
+}
+
+/// Summary of a run of a scene in a folder.
+fn summary(folder: &Path, run: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(folder.join(run).join("summary.json")).unwrap()).unwrap()
+}
+
+/// Writes a scene of `scenes/landmarks` into a folder as one text, shortened to a duration.
+fn write_scene(folder: &Path, name: &str, duration_s: f64) {
+    let text = scene_text(&format!("landmarks/{name}.toml"));
+    let shorter = text.replacen("duration_s = 60.0", &format!("duration_s = {duration_s:.1}"), 1);
+    assert_ne!(text, shorter);
+    fs::write(folder.join(format!("{name}.toml")), shorter).unwrap();
+}
+
+#[test]
+fn a_map_that_one_drive_has_taught_guides_another_robot_another_way_round() {
+    let place = folder("teach_and_repeat");
+    write_scene(&place, "teach", 20.0);
+    write_scene(&place, "repeat", 15.0);
+    let teach = |more: &[&str]| {
+        let arguments = [&["teach", "teach.toml", "--map", "map.json", "--seed", "3"][..], more].concat();
+        outcome(&mut wherein(&place, &arguments))
+    };
+    let (code, told, errors) = teach(&[]);
+    assert_eq!(code, 0, "{told}{errors}");
+    assert!(told.contains("Map of "), "{told}");
+    let map = fs::read(place.join("map.json")).unwrap();
+    assert!(map.len() < 100_000, "{}", map.len());
+    let own = summary(&place, "renders/teach/3");
+    assert!(own["metrics"]["landmarks_outside"].as_f64().is_none_or(|outside| outside == 0.0), "{own:#}");
+    // The way back by the map alone, with other errors, another start, and then another camera.
+    let mut widths_m = Vec::new();
+    for (seed, more) in [
+        ("11", &[][..]),
+        ("12", &["--set", "robot.point_camera.height_m=0.7", "--set", "robot.point_camera.focal_px=450"]),
+    ] {
+        let arguments = [&["repeat", "repeat.toml", "--map", "map.json", "--seed", seed][..], more].concat();
+        let (code, told, errors) = outcome(&mut wherein(&place, &arguments));
+        assert_eq!(code, 0, "seed {seed}: {told}{errors}");
+        let told = summary(&place, &format!("renders/repeat/{seed}"));
+        widths_m.push(told["width"]["x_m"]["mean"].as_f64().unwrap());
+    }
+    assert!(widths_m.iter().all(|width_m| *width_m < 0.4), "{widths_m:?}");
+    // A drive that fails its expectations leaves the map as it was.
+    let (code, told, _) = teach(&["--set", "expect.width.x_m.mean_max=0.0001"]);
+    assert!(code == 1 && told.contains("No map is written"), "{told}");
+    assert_eq!(fs::read(place.join("map.json")).unwrap(), map);
+}
+
+#[test]
+fn maps_and_scenes_that_do_not_fit_are_refused_with_exit_code_2() {
+    let place = folder("landmark_refusals");
+    write_scene(&place, "teach", 4.0);
+    write_scene(&place, "repeat", 2.0);
+    let refused = |arguments: &[&str], told: &[&str]| {
+        let (code, _, errors) = outcome(&mut wherein(&place, arguments));
+        assert_eq!(code, 2, "{arguments:?}: {errors}");
+        assert!(told.iter().all(|part| errors.contains(part)), "{arguments:?}: {errors}");
+    };
+    let teach = ["teach", "teach.toml", "--map", "map.json"];
+    refused(
+        &[&teach[..], &["--set", "localizer.methods=[\"gnss_positions\"]"]].concat(),
+        &["localizer.methods", "mapped_landmarks"],
+    );
+    refused(
+        &[&teach[..], &["--set", "localizer.mapped_landmarks.learns=false"]].concat(),
+        &["localizer.mapped_landmarks.learns", "true"],
+    );
+    refused(&[&teach[..], &["--seeds", "0..2"]].concat(), &["2 drives", "one scene and one seed"]);
+    refused(&[&teach[..], &["--set", "robot.point_camera=false"]].concat(), &["localizer.methods", "point_camera"]);
+    assert!(!place.join("map.json").exists());
+    assert_eq!(outcome(&mut wherein(&place, &teach)).0, 0);
+    let map = fs::read_to_string(place.join("map.json")).unwrap();
+    refused(&["repeat", "repeat.toml", "--map", "none.json"], &["none.json"]);
+    fs::write(place.join("bad.json"), &map[..map.len() / 2]).unwrap();
+    refused(&["repeat", "repeat.toml", "--map", "bad.json"], &["bad.json", "expected JSON"]);
+    fs::write(place.join("bad.json"), map.replacen("\"version\": 1", "\"version\": 7", 1)).unwrap();
+    refused(&["repeat", "repeat.toml", "--map", "bad.json"], &["bad.json", "`version` is 7", "at most 1"]);
+    let elsewhere = ["repeat", "repeat.toml", "--map", "map.json", "--set", "room.depth_m=9"];
+    refused(&elsewhere, &["localizer.mapped_landmarks.map", "map.json is of a room of [12.0, 8.0] m", "[12.0, 9.0] m"]);
+    let keys = "robot.point_camera.least_depth_m=50";
+    refused(&[&teach[..], &["--set", keys]].concat(), &["robot.point_camera.least_depth_m", "greatest_depth_m"]);
+}
