@@ -77,7 +77,7 @@ golden: driver
 gallery: driver build
 	scripts/gallery $(WHEREIN)
 
-experiments: driver build allan test-long
+experiments: driver build allan $(if $(ISSUE),,test-long)
 	scripts/experiments $(ISSUE)
 
 straight-drive:
