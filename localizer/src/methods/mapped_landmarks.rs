@@ -2,7 +2,7 @@
 //! without it):
 //! bounds the pose by image points of landmarks in space, and learns where the landmarks are.
 //!
-//! **Constraint.** A landmark is a ray with a bounded inverse depth from an anchor in the world ([`SpacePoint`](crate::map::SpacePoint)), so that it is of use from its first
+//! **Constraint.** A landmark is a ray with a bounded inverse depth from an anchor in the world ([`SpacePoint`]), so that it is of use from its first
 //! sighting on, and may be infinitely far. An image point gives two equations between the landmark, the pose, the lean of the body and the camera's
 //! mount and lens (`ray`), none of which divides by a depth. They are rows of the graph of key frames, and rows of a program for the pose at the
 //! image's own stamp.

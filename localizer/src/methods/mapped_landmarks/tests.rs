@@ -57,10 +57,10 @@ impl True {
         put(Constant::PointFocal, draw.within(camera.focal_px));
         put(Constant::PointYaw, draw.within(camera.yaw_rad));
         put(Constant::PointHeight, draw.within(camera.height_m));
-        for k in 0..2 {
+        for (k, tilt) in cayley.into_iter().enumerate() {
             put(Constant::PointCentre(k), draw.within(camera.centre_px[k]));
             put(Constant::PointPosition(k), draw.within(camera.position_m[k]));
-            put(Constant::PointTilt(k), cayley[k]);
+            put(Constant::PointTilt(k), tilt);
         }
         True { camera, body, constants, mount_tilt }
     }
@@ -165,11 +165,11 @@ fn the_truth_satisfies_the_rows_of_image_points_at_the_corners_of_all_bounds() {
         for (variable, value) in points.quantities(4, &PoseBox::from([Interval::ZERO; 3])) {
             domain.put(variable, value);
         }
-        for k in 0..3 {
+        for (k, truly) in true_point.into_iter().enumerate() {
             let half = draw.size(1e-6, if k == 2 { 0.1 } else { 0.3 });
             domain.put(Variable::Pose(4, k), around(&mut draw, at.pose[k], half));
             values.insert(Variable::Pose(4, k), at.pose[k]);
-            values.insert(Variable::Point(id, k), true_point[k]);
+            values.insert(Variable::Point(id, k), truly);
         }
         (0..2).for_each(|k| {
             values.insert(Variable::BodyTilt(4, k), at.lean[k]);
@@ -205,14 +205,9 @@ fn a_landmark_is_within_its_box_from_its_first_sighting_on() {
         }));
         let point = Optics::new(truth.camera, truth.body).first_seen(&pose, at_px).unwrap();
         let expected = homogeneous(&point.anchor, landmark);
-        for k in 0..3 {
-            assert!(
-                point.value[k].inflate(1e-12).contains(expected[k]),
-                "round {round}, {k}: {} {}",
-                expected[k],
-                point.value[k]
-            );
-            nearest = nearest.max((expected[k] - point.value[k].mid()).abs() / point.value[k].radius());
+        for (k, (value, truly)) in point.value.into_iter().zip(expected).enumerate() {
+            assert!(value.inflate(1e-12).contains(truly), "round {round}, {k}: {truly} {value}");
+            nearest = nearest.max((truly - value.mid()).abs() / value.radius());
         }
     }
     assert!(nearest > 0.9, "{nearest}");
@@ -275,9 +270,9 @@ fn what_is_learnt_at_known_poses_contains_every_landmark_and_later_localizes() {
             assert!(!method.take_contradiction(), "round {round}, step {step}");
             for (landmark, point) in method.atlas.points() {
                 let expected = homogeneous(&point.anchor, landmarks[landmark.0 as usize]);
-                for k in 0..3 {
-                    let value = point.value[k].inflate(1e-12);
-                    assert!(value.contains(expected[k]), "round {round}, step {step}: {landmark:?} {k} {value}");
+                for (value, truly) in point.value.into_iter().zip(expected) {
+                    let holds = value.inflate(1e-12).contains(truly);
+                    assert!(holds, "round {round}, step {step}: {landmark:?} {truly} {value}");
                 }
             }
         }
