@@ -116,6 +116,14 @@ fn a_map_that_one_drive_has_taught_guides_another_robot_another_way_round() {
         widths_m.push(told["width"]["x_m"]["mean"].as_f64().unwrap());
     }
     assert!(widths_m.iter().all(|width_m| *width_m < 0.4), "{widths_m:?}");
+    // A recording of such a drive is replayed with the map's file, to the same bytes.
+    let (code, told, errors) = outcome(&mut wherein(
+        &place,
+        &["repeat", "repeat.toml", "--map", "map.json", "--record", "--set", "duration_s=4", "--out", "recorded"],
+    ));
+    assert_eq!(code, 0, "{told}{errors}");
+    let (code, told, errors) = outcome(&mut wherein(&place, &["replay", "recorded/repeat/0/recording.mcap"]));
+    assert_eq!(code, 0, "{told}{errors}");
     // A drive that fails its expectations leaves the map as it was.
     let (code, told, _) = teach(&["--set", "expect.width.x_m.mean_max=0.0001"]);
     assert!(code == 1 && told.contains("No map is written"), "{told}");
@@ -154,5 +162,7 @@ fn maps_and_scenes_that_do_not_fit_are_refused_with_exit_code_2() {
     let elsewhere = ["repeat", "repeat.toml", "--map", "map.json", "--set", "room.depth_m=9"];
     refused(&elsewhere, &["localizer.mapped_landmarks.map", "map.json is of a room of [12.0, 8.0] m", "[12.0, 9.0] m"]);
     let keys = "robot.point_camera.least_depth_m=50";
+    refused(&["repeat", "repeat.toml", "--map", "map.json", "--set", "localizer.methods=[]"], &["localizer.methods"]);
+    refused(&["teach", "teach.toml", "--map", "renders"], &["renders"]);
     refused(&[&teach[..], &["--set", keys]].concat(), &["robot.point_camera.least_depth_m", "greatest_depth_m"]);
 }

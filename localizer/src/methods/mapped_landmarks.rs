@@ -20,14 +20,14 @@ mod camera;
 mod ray;
 mod relate;
 
-use std::sync::Arc;
+use std::{collections::VecDeque, sync::Arc};
 
 use crate::{
     PoseBox, PoseUnion, Reading, RobotModel,
     bounds::{self, Assumption},
     graph::{PoseByRows, Stray},
     map::SpacePoint,
-    method::{Constraint, Context, Memory, Method, MotionBetween},
+    method::{Constraint, Context, Memory, Method, MotionBetween, OnPose},
     reading::LandmarkId,
 };
 
@@ -76,8 +76,13 @@ pub struct MappedLandmarks {
     learns: bool,
     /// Stamp and image points of the image for which a constraint was made last, until landmarks are learnt from it.
     latest: Option<(f64, Vec<SeenPoint>)>,
+    /// Image points of recent images, with their stamps, from which constraints can be made anew.
+    recent: VecDeque<(f64, Vec<SeenPoint>)>,
     contradicts: bool,
 }
+
+/// Time for which image points are kept so that their constraints can be made anew: longer than the localizer remembers stamps.
+const RECENT_S: f64 = 4.0;
 
 impl MappedLandmarks {
     /// Makes the method for a point camera on a robot. `map` are the landmarks that are known from an earlier drive.
@@ -93,6 +98,7 @@ impl MappedLandmarks {
             atlas: Atlas::of(map, learning == Learning::Teaches),
             learns: learning != Learning::Never,
             latest: None,
+            recent: VecDeque::new(),
             contradicts: false,
         }
     }
@@ -122,7 +128,11 @@ impl Method for MappedLandmarks {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
         let seen = SeenPoint::of(numbers)?;
         let points = self.related(&seen);
-        self.latest = self.learns.then_some((*measured_s, seen));
+        if self.learns {
+            self.recent.push_back((*measured_s, seen.clone()));
+            self.recent.retain(|(stamp_s, _)| *stamp_s > measured_s - RECENT_S);
+            self.latest = Some((*measured_s, seen));
+        }
         let relations = Arc::new(points);
         let n_known = relations.seen.len();
         let on_pose = PoseByRows { relations: Arc::clone(&relations) as Arc<_>, stray: self.stray };
@@ -145,6 +155,12 @@ impl Method for MappedLandmarks {
 }
 
 impl Memory for MappedLandmarks {
+    /// The constraint of an image by what is known of its landmarks now: they may have been unlearnt since.
+    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
+        let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
+        Some(Box::new(PoseByRows { relations: Arc::new(self.related(seen)), stray: self.stray }))
+    }
+
     fn forget_since(&mut self, since_s: f64) {
         self.atlas.forget_since(since_s);
         self.latest = None;
@@ -153,6 +169,7 @@ impl Memory for MappedLandmarks {
     fn clock_set_back(&mut self) {
         self.atlas.begin_anew();
         self.latest = None;
+        self.recent.clear();
     }
 
     fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
@@ -176,8 +193,9 @@ impl Memory for MappedLandmarks {
         self.atlas.points().filter_map(above).collect()
     }
 
+    /// None where the images of the whole drive contradict each other.
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
-        self.atlas.taught(&self.optics)
+        self.atlas.taught(&self.optics).unwrap_or_default()
     }
 }
 

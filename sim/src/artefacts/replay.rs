@@ -1,6 +1,6 @@
 //! Replays a recording through a localizer, without the simulator: the same readings give the same estimates, bit for bit.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use localizer::{Estimate, reading::Camera};
 use thiserror::Error;
@@ -29,6 +29,18 @@ pub enum ReplayError {
     /// The scene in the recording is not valid in this version.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The scene in the recording names a map of landmarks by a path from a folder that is not known.
+    #[error(
+        "replay {}: `localizer.mapped_landmarks.map = {map:?}` is a path from the folder of a scene that is not here, expected a whole path, as \
+         `wherein repeat` records it",
+        path.display()
+    )]
+    NoMap {
+        /// Path of the recording.
+        path: PathBuf,
+        /// Path of the map, as the scene states it.
+        map: String,
+    },
 }
 
 /// The localizer's estimates in a replay, and how they compare with the recorded ones.
@@ -87,6 +99,10 @@ impl Replayer<'_> {
                     // The scene of an older recording is rewritten for this version. One that cannot be is refused with what is wrong in it.
                     let text = upgraded(text).map_or_else(|_| text.to_owned(), |upgraded| upgraded.text);
                     let scene = Scene::parse_beside(&text, &file, None)?;
+                    let setup = scene.localizer.mapped_landmarks();
+                    if let Some(map) = setup.map.filter(|_| setup.known.is_none()) {
+                        return Err(ReplayError::NoMap { path: self.path.to_owned(), map });
+                    }
                     let localizer = IntervalLocalizer::of(&scene);
                     self.subject = Some((scene, localizer));
                 }

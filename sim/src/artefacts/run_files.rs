@@ -210,7 +210,10 @@ pub(crate) fn fill(
 fn learnt_map(scene: &Scene, record: &RunRecord) -> Option<LandmarkMap> {
     let landmarks = record.space_points.clone();
     let relied = record.estimates.last().map_or(&[][..], |estimate| &estimate.relies_on);
-    let relies_on = relied.iter().map(|bound| (*bound).to_owned()).collect();
+    let mut relies_on: Vec<String> = relied.iter().map(|bound| (*bound).to_owned()).collect();
+    // Landmarks of a map go on relying on what they relied on when they were learnt.
+    let earlier = scene.localizer.mapped_landmarks().known.map_or_else(Vec::new, |map| map.relies_on);
+    relies_on.extend(earlier.into_iter().filter(|bound| !relied.contains(&bound.as_str())));
     let room_m = [scene.room.width_m, scene.room.depth_m];
     (!landmarks.is_empty()).then_some(LandmarkMap { room_m, relies_on, landmarks })
 }

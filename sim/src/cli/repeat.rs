@@ -4,7 +4,7 @@ use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
-use crate::{loading::Setting, place::landmark_map};
+use crate::{loading::Setting, place::landmark_map, scene::MethodName};
 
 use super::{
     CommandError,
@@ -30,6 +30,11 @@ errors and another camera than that of the drive that has learnt the map; its ro
 pub(super) fn repeat(mut arguments: RepeatArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     // A file that is no map is refused by its own name, before any scene is read.
     landmark_map::read(&arguments.map)?;
+    let methods = MethodName::MappedLandmarks;
+    if let Some(file) = arguments.run.which.load()?.iter().find(|file| !file.scene.localizer.methods.contains(&methods))
+    {
+        return Err(CommandError::UsesNoMap(file.path.clone()));
+    }
     let path = std::fs::canonicalize(&arguments.map)?;
     let quoted = toml::Value::String(path.to_string_lossy().into_owned());
     let setting: Setting = format!("localizer.mapped_landmarks.map={quoted}").parse().map_err(CommandError::Setting)?;

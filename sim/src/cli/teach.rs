@@ -1,11 +1,11 @@
 //! `wherein teach`: a drive that learns where landmarks are, and a map of them for later drives.
 
-use std::{fs, path::PathBuf, process::ExitCode};
+use std::{fs, io, path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
 use crate::{
-    artefacts::run_files::{LANDMARKS, folder, prepare_for, replace_file},
+    artefacts::run_files::{LANDMARKS, folder, prepare_for, read, replace_file},
     scene::MethodName,
 };
 
@@ -29,7 +29,8 @@ const TEACH_AFTER_HELP: &str = "\
 The scene's localizer needs the method `mapped_landmarks`, and another one that tells where the robot is, such as
 `gnss_positions`, `ceiling_markers` or `floor_tiles`. The map has every landmark as a ray with a bounded inverse depth, and
 the names of the bounds that it relies on. `wherein repeat` uses it.
-Exit code: 0 the map is written, 1 the drive did not meet its expectations and no map is written, 2 could not run.";
+Exit code: 0 the map is written; 1 no map is written, as the drive did not meet its expectations or broke a declared bound;
+2 could not run.";
 
 /// Runs the scene and keeps the map that its localizer has learnt.
 pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
@@ -54,6 +55,9 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
             expected: "true",
         });
     }
+    if arguments.map.is_dir() {
+        return Err(CommandError::Unwritable(arguments.map, io::ErrorKind::IsADirectory.into()));
+    }
     prepare_for(&arguments.map)?;
     arguments.run.which.set.push("localizer.mapped_landmarks.teaches=true".parse().map_err(CommandError::Setting)?);
     let outcome = run_scenes(&arguments.run, adapter)?;
@@ -61,7 +65,19 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
         print("No map is written: the drive did not meet its expectations.\n")?;
         return Ok(outcome);
     }
-    let learnt = folder(&arguments.run.out, &file.name, seeds.start).join(LANDMARKS);
+    let folder = folder(&arguments.run.out, &file.name, seeds.start);
+    let summary = read(&folder)?.map(|(summary, _)| summary).unwrap_or_default();
+    let containment = &summary["containment"];
+    // Whatever the scene expects: what was learnt while a bound was broken may be false for ever.
+    let is_kept =
+        containment["contained"] == containment["checks"] && summary["violations"].as_array().is_none_or(Vec::is_empty);
+    if !is_kept {
+        print(
+            "No map is written: a declared bound was broken on the drive, and what was learnt since may be false.\n",
+        )?;
+        return Ok(ExitCode::from(1));
+    }
+    let learnt = folder.join(LANDMARKS);
     let text = fs::read_to_string(&learnt).map_err(|_| CommandError::LearntNothing(file.path.clone()))?;
     replace_file(&arguments.map, &text)?;
     let map = crate::place::landmark_map::read(&arguments.map)?;

@@ -58,10 +58,10 @@ impl Device for PointCamera {
     fn method(&self, _name: MethodName, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         let setup = scene.localizer.mapped_landmarks();
         let known = setup.known.map_or_else(Vec::new, |map| map.landmarks);
-        let learning = match (setup.teaches, setup.learns) {
-            (true, _) => Learning::Teaches,
-            (false, true) => Learning::Drives,
-            (false, false) => Learning::Never,
+        let learning = match (setup.learns, setup.teaches) {
+            (false, _) => Learning::Never,
+            (true, false) => Learning::Drives,
+            (true, true) => Learning::Teaches,
         };
         Some(Box::new(MappedLandmarks::new(self.model(scene), robot, &known, learning)))
     }

@@ -96,7 +96,10 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
 fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction> {
     let room_m = [scene.room.width_m, scene.room.depth_m];
     let Some(setup) = &mut scene.localizer.mapped_landmarks else { return Ok(()) };
-    let Some((map, folder)) = setup.map.as_ref().zip(folder) else { return Ok(()) };
+    let Some(map) = &setup.map else { return Ok(()) };
+    // A whole path needs no folder.
+    let folder = folder.or(Path::new(map).is_absolute().then_some(Path::new("/")));
+    let Some(folder) = folder else { return Ok(()) };
     let refused = |expected| Contradiction { key: "localizer.mapped_landmarks.map".to_owned(), expected };
     let known = landmark_map::read(&folder.join(map)).map_err(|error| refused(format!("failed to {error}")))?;
     if known.room_m != room_m {

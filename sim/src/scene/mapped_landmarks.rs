@@ -16,7 +16,7 @@ pub struct MappedLandmarksSetup {
     /// Whether the localizer learns where landmarks are, those of the map and others.
     pub learns: bool,
     /// Whether images of the whole drive are kept, and the map that a run leaves is made of all of them at its end; `wherein teach` sets it. Otherwise
-    /// the map is what was learnt on the way.
+    /// the map is what was learnt on the way. Without effect where `learns` is false.
     pub teaches: bool,
     /// Contents of the file that the key `map` names.
     #[serde(skip)]

@@ -96,8 +96,8 @@ impl Atlas {
         self.entries.iter().map(|(&landmark, entry)| (landmark, entry.point))
     }
 
-    /// Learns from the image points of an image that shows a pose within the given box. Returns whether they agree with what was known; where they do
-    /// not, nothing changes but that the window begins anew.
+    /// Learns from the image points of an image that shows a pose within the given box. Returns whether the images of the window agree with each other
+    /// and with what was known; where they do not, no landmark becomes narrower, and the window begins anew.
     pub(super) fn learn(&mut self, stamp_s: f64, pose: &PoseBox, seen: &[SeenPoint], optics: &Arc<Optics>) -> bool {
         if pose.is_empty() || pose[2].width() > WIDEST_RAD || !(0..2).all(|axis| pose[axis].is_bounded()) {
             return true;
@@ -132,23 +132,21 @@ impl Atlas {
     }
 
     /// The landmarks by all images of the album: a program of each few images that follow each other, over and over. What is known now is the answer
-    /// where no album was kept, and where its images contradict each other.
-    pub(super) fn taught(&self, optics: &Arc<Optics>) -> Vec<(LandmarkId, SpacePoint)> {
+    /// where no album was kept; `None` where its images contradict each other, so that some declared bound was broken.
+    pub(super) fn taught(&self, optics: &Arc<Optics>) -> Option<Vec<(LandmarkId, SpacePoint)>> {
         let mut atlas = self.clone();
         let mut album = atlas.album.take().unwrap_or_default();
         for spacing in SPACINGS {
             for first in (0..album.len()).step_by(STRIDE) {
                 let places: Vec<usize> = (first..album.len()).step_by(spacing).take(MOST_IMAGES).collect();
                 let mut window: Vec<Image> = places.iter().map(|&at| album[at].clone()).collect();
-                if atlas.narrow(&mut window, 0, usize::MAX, optics).is_none() {
-                    return self.points().collect();
-                }
+                atlas.narrow(&mut window, 0, usize::MAX, optics)?;
                 for (at, image) in places.into_iter().zip(window) {
                     album[at].pose = image.pose;
                 }
             }
         }
-        atlas.points().collect()
+        Some(atlas.points().collect())
     }
 
     /// Bounds at most so many coordinates of the images' poses and of the landmarks that they show, from the given one on in turn. Returns how many
