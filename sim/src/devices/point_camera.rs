@@ -104,8 +104,7 @@ impl Device for PointCamera {
 
     fn contradictions(&self) -> Vec<(String, String)> {
         let is_empty = self.least_depth_m >= self.greatest_depth_m;
-        let expected =
-            format!("{}, expected less than `greatest_depth_m`, {}", self.least_depth_m, self.greatest_depth_m);
+        let expected = format!("expected less than `greatest_depth_m`, {}", self.greatest_depth_m);
         is_empty.then(|| ("least_depth_m".to_owned(), expected)).into_iter().collect()
     }
 }
