@@ -16,15 +16,14 @@ use crate::{
 
 use super::{camera::SeenPoint, ray::Optics, relate::Points};
 
-/// Greatest number of images in the window. In a drive of 3 m past 16 landmarks, with poses known to 1 cm and 20 mrad, a window of eight narrows headings
-/// to 4 mrad and directions to landmarks a tenfold.
+/// Greatest number of images in the window: a program of eight has some 80 quantities.
 const MOST_IMAGES: usize = 8;
 /// Greatest number of landmarks that the images of the window relate.
 const MOST_LANDMARKS: usize = 20;
 /// Least distance, in metres, or turn, in radians, of the robot between two images of the window.
 const APART_M: f64 = 0.3;
 const APART_RAD: f64 = 0.15;
-/// Number of coordinates, of poses or of landmarks, that are bounded after one image: work is spread over the images. Each takes some 1.5 ms.
+/// Number of coordinates, of poses or of landmarks, that are bounded after one image: work is spread over the images.
 const BOUNDED_AT_ONCE: usize = 6;
 /// Spacings, in images, of the programs of a taught map, one for each pass over all images of the drive; and the number of images from one program to
 /// the next. Images far apart tell the direction of the way between them by their positions, near ones show the most landmarks in common.
