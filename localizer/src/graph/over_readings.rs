@@ -50,6 +50,11 @@ pub(crate) fn bounds_over(readings: &[(PoseBox, &dyn Relations)], wanted: &[Vari
     )
 }
 
+/// Whether rows about the middle of a box of poses are of use over all of it.
+pub(crate) fn is_linear_over(pose: &PoseBox) -> bool {
+    !pose.is_empty() && pose[2].width() <= WIDEST_RAD && (0..2).all(|axis| pose[axis].is_bounded())
+}
+
 /// Contractor of the pose at a reading's stamp by the reading's rows. It contracts only where the heading is known well enough for rows to be linear,
 /// and where every quantity is bounded.
 pub(crate) struct PoseByRows {
@@ -59,7 +64,7 @@ pub(crate) struct PoseByRows {
     pub(crate) stray: Stray,
 }
 
-/// Widest heading of a box that is contracted: what is not linear in the rows grows with the square of it.
+/// Widest heading of a box over which rows are made: what is not linear in the rows grows with the square of it.
 const WIDEST_RAD: f64 = 0.3;
 /// Greatest number of times that rows are made anew about what is left of a pose.
 const MOST_PASSES: usize = 6;
@@ -68,19 +73,17 @@ const WORTHWHILE: f64 = 0.8;
 
 impl Contractor<3> for PoseByRows {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
-        if domain.is_empty() || domain[2].width() > WIDEST_RAD || !(0..2).all(|axis| domain[axis].is_bounded()) {
+        if !is_linear_over(domain) {
             return Outcome::Feasible;
         }
-        let strayed =
-            |pose: &PoseBox| PoseBox::from([0, 1, 2].map(|axis| pose[axis].inflate(self.stray.of_axis(axis))));
         let wanted = [0, 1, 2].map(|axis| Variable::Pose(0, axis));
         let mut left = *domain;
         // What rows lose by linearisation becomes less with every pass.
         for _ in 0..MOST_PASSES {
             let before = left;
-            let bounds = bounds_over(&[(strayed(&left), &*self.relations)], &wanted);
+            let bounds = bounds_over(&[(self.stray.around(&left), &*self.relations)], &wanted);
             left = bounds.map_or(PoseBox::EMPTY, |bounds| {
-                let bounds = strayed(&PoseBox::from([bounds[0], bounds[1], bounds[2]]));
+                let bounds = self.stray.around(&PoseBox::from([bounds[0], bounds[1], bounds[2]]));
                 PoseBox::from([0, 1, 2].map(|axis| bounds[axis].intersect(before[axis])))
             });
             if left.is_empty() || (0..3).all(|axis| left[axis].width() > WORTHWHILE * before[axis].width()) {

@@ -1,6 +1,6 @@
 //! How far the robot can have gone within the error of a reading's stamp.
 
-use crate::robot::Reach;
+use crate::{PoseBox, robot::Reach};
 
 /// How far the robot can have moved and turned between the stamp of a reading and the instant at which the reading was truly taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +15,11 @@ impl Stray {
     /// The greatest change of a component of the pose: x (0), y (1) or heading (2).
     pub fn of_axis(&self, axis: usize) -> f64 {
         if axis < 2 { self.metres } else { self.radians }
+    }
+
+    /// Every pose that is no farther than this from one in a box.
+    pub fn around(&self, pose: &PoseBox) -> PoseBox {
+        PoseBox::from([0, 1, 2].map(|axis| pose[axis].inflate(self.of_axis(axis))))
     }
 
     /// What the robot's limits of speed and turn rate allow within a stamp's error.

@@ -23,7 +23,7 @@ mod relate;
 use std::{collections::VecDeque, sync::Arc};
 
 use crate::{
-    PoseBox, PoseUnion, Reading, RobotModel,
+    PoseUnion, Reading, RobotModel,
     bounds::{self, Assumption},
     graph::{PoseByRows, Stray},
     map::SpacePoint,
@@ -174,10 +174,9 @@ impl Memory for MappedLandmarks {
 
     fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
         let Some((stamp_s, seen)) = self.latest.take() else { return };
-        let pose = posterior.hull();
         // The pose that the image shows.
-        let shown = PoseBox::from([0, 1, 2].map(|axis| pose[axis].inflate(self.stray.of_axis(axis))));
-        self.contradicts |= !pose.is_empty() && !self.atlas.learn(stamp_s, &shown, &seen, &self.optics);
+        let shown = self.stray.around(&posterior.hull());
+        self.contradicts |= !self.atlas.learn(stamp_s, &shown, &seen, &self.optics);
     }
 
     fn take_contradiction(&mut self) -> bool {

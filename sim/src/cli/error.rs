@@ -20,8 +20,6 @@ pub(super) enum CommandError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Map(#[from] crate::place::navigation::map_server::MapError),
-    #[error(transparent)]
-    LandmarkMap(#[from] crate::place::landmark_map::LandmarkMapError),
     #[error("teach a map by {0} drives, expected one scene and one seed")]
     SeveralTaught(usize),
     #[error("teach a map by {}: `{key}` leaves nothing to learn, expected {expected}", scene.display())]

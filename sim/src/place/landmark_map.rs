@@ -1,10 +1,6 @@
 //! Maps of landmarks in space as files: JSON with a format name, a version, and a digest of the text that shows damage.
 
-use std::{
-    fmt::Write,
-    fs, io,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write, fs, path::Path};
 
 use interval::Interval;
 use localizer::{
@@ -16,6 +12,8 @@ use sha2::{Digest, Sha256};
 
 use crate::scene::LandmarkMap;
 
+use super::navigation::map_server::MapError;
+
 /// Name of the format, which every file states.
 const FORMAT: &str = "wherein landmark map";
 /// Version of the format that is written, the latest that can be read.
@@ -24,27 +22,6 @@ const VERSION: u64 = 1;
 const NO_DIGEST: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 /// Share of its size, and absolute part, by which every interval is made wider when it is written: numbers may be read back with a rounding error.
 const ROUNDING: f64 = 1e-12;
-
-/// Why a file is no map of landmarks. The text of the error follows "failed to".
-#[derive(Debug, thiserror::Error)]
-pub enum LandmarkMapError {
-    /// The file cannot be read.
-    #[error("read map {}: {source}", path.display())]
-    Unreadable {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error that the operating system reported.
-        source: io::Error,
-    },
-    /// The file does not have the expected contents.
-    #[error("read map {}: {expected}", path.display())]
-    Invalid {
-        /// Path of the file.
-        path: PathBuf,
-        /// Description of what was found and what was expected.
-        expected: String,
-    },
-}
 
 /// The file as it is written.
 #[derive(Serialize, Deserialize)]
@@ -107,10 +84,9 @@ pub fn text(map: &LandmarkMap) -> String {
 }
 
 /// Reads a map's file.
-pub fn read(path: &Path) -> Result<LandmarkMap, LandmarkMapError> {
-    let text =
-        fs::read_to_string(path).map_err(|source| LandmarkMapError::Unreadable { path: path.to_owned(), source })?;
-    parse(&text).map_err(|expected| LandmarkMapError::Invalid { path: path.to_owned(), expected })
+pub fn read(path: &Path) -> Result<LandmarkMap, MapError> {
+    let text = fs::read_to_string(path).map_err(|source| MapError::Unreadable { path: path.to_owned(), source })?;
+    parse(&text).map_err(|expected| MapError::Invalid { path: path.to_owned(), expected })
 }
 
 /// The map that a text states, or what was expected instead.

@@ -9,7 +9,7 @@ use interval::Interval;
 
 use crate::{
     PoseBox,
-    graph::{Relations, Variable, bounds_over},
+    graph::{Relations, Variable, bounds_over, is_linear_over},
     map::SpacePoint,
     reading::LandmarkId,
 };
@@ -29,8 +29,6 @@ const BOUNDED_AT_ONCE: usize = 6;
 /// the next. Images far apart tell the direction of the way between them by their positions, near ones show the most landmarks in common.
 const SPACINGS: [usize; 4] = [1, 3, 2, 4];
 const STRIDE: usize = 3;
-/// Widest heading, in radians, of an image in the window.
-const WIDEST_RAD: f64 = 0.3;
 /// Least time between two earlier states of a landmark that are kept, and their greatest number.
 const FORMER_S: f64 = 1.0;
 const MOST_FORMER: usize = 8;
@@ -98,7 +96,7 @@ impl Atlas {
     /// Learns from the image points of an image that shows a pose within the given box. Returns whether the images of the window agree with each other
     /// and with what was known; where they do not, no landmark becomes narrower, and the window begins anew.
     pub(super) fn learn(&mut self, stamp_s: f64, pose: &PoseBox, seen: &[SeenPoint], optics: &Arc<Optics>) -> bool {
-        if pose.is_empty() || pose[2].width() > WIDEST_RAD || !(0..2).all(|axis| pose[axis].is_bounded()) {
+        if !is_linear_over(pose) {
             return true;
         }
         for one in seen {

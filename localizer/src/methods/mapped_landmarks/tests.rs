@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::*;
 use crate::{
+    PoseBox,
     graph::{
         Constant, Domain, Relations, Variable,
         trial::{Draw, robot, rounds, tilt},
