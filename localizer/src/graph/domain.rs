@@ -240,15 +240,14 @@ impl Domain {
         (0..3).for_each(|axis| self.put(Variable::Pose(frame, axis), pose[axis]));
     }
 
-    /// The same domain with the pose at a key frame widened by a distance in any direction and by a turn; its reference values stay.
-    pub fn displaced(&self, frame: usize, by: &Stray) -> Domain {
-        let mut displaced = self.clone();
+    /// Adds a pose that is displaced from that at a key frame of another domain by a distance in any direction and by a turn. It has the reference
+    /// values of the key frame's pose, and the number that is given after the key frame's.
+    pub fn displace(&mut self, from: &Domain, [frame, shown]: [usize; 2], by: &Stray) {
         for axis in 0..3 {
-            if let Some((_, value)) = displaced.values.get_mut(&Variable::Pose(frame, axis)) {
-                *value = value.inflate(by.of_axis(axis));
+            if let Some(&(reference, value)) = from.values.get(&Variable::Pose(frame, axis)) {
+                self.values.insert(Variable::Pose(shown, axis), (reference, value.inflate(by.of_axis(axis))));
             }
         }
-        displaced
     }
 
     /// Leaves out all quantities but those that the condition holds for.

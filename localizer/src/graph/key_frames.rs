@@ -2,7 +2,7 @@
 
 mod program;
 
-use std::{collections::VecDeque, sync::Arc};
+use std::{borrow::Cow, collections::VecDeque, sync::Arc};
 
 use interval::Interval;
 
@@ -36,12 +36,26 @@ struct KeyFrame {
     label: Option<BoxLabel>,
     /// The way from the key frame before; `None` for the first one, and where no reading of the motion is to be believed.
     link: Option<Link>,
-    /// What a reading at this stamp relates, if there is one.
-    relations: Option<Arc<dyn Relations>>,
-    /// How far the robot can have gone between the reading's stamp and its true instant.
-    stray: Stray,
+    /// The readings at this stamp that relate something, at most one of each source.
+    readings: Vec<FrameReading>,
+    /// Whether the way to it has been asked for.
+    is_linked: bool,
     /// The greatest error of the flow sensor's place by its counts, and the stamps of the readings that the counts are of.
     place: Option<(f64, [f64; 2])>,
+}
+
+/// A reading at the stamp of a key frame.
+#[derive(Clone)]
+pub struct FrameReading {
+    /// What it is a reading of, such as the name of the method that read it: of each source a key frame has one reading at most.
+    pub source: &'static str,
+    /// What the reading relates.
+    pub relations: Arc<dyn Relations>,
+    /// How far the robot can have gone between the reading's stamp and its true instant.
+    pub stray: Stray,
+    /// Number by which the reading's own quantities are told apart from those of all other readings. The first reading of a key frame has the key
+    /// frame's number.
+    number: usize,
 }
 
 /// The key frames of a drive.
@@ -57,6 +71,8 @@ pub struct KeyFrames {
     /// known.
     gyro_errors: Vec<[f64; 2]>,
     next_number: usize,
+    /// Whether the key frames of the whole drive are kept, and not only so many.
+    keeps_all: bool,
 }
 
 impl KeyFrames {
@@ -70,6 +86,59 @@ impl KeyFrames {
             flow_scale_change: robot.flow.map_or(0.0, |flow| flow.scale_change),
             gyro_errors: Vec::new(),
             next_number: 0,
+            keeps_all: false,
+        }
+    }
+
+    /// Keeps all key frames of the drive from now on, so that memory grows with its length.
+    pub fn keep_all(&mut self) {
+        self.keeps_all = true;
+    }
+
+    /// Number of key frames.
+    pub fn n_frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Boxes of the poses of all key frames, from the first one on.
+    pub fn poses(&self) -> impl Iterator<Item = PoseBox> {
+        self.frames.iter().map(|frame| frame.pose)
+    }
+
+    /// So many key frames, from that with the given place among all on, without what came before.
+    pub fn window(&self, first: usize, n_frames: usize) -> KeyFrames {
+        let mut frames: VecDeque<KeyFrame> = self.frames.iter().skip(first).take(n_frames).cloned().collect();
+        if let Some(first) = frames.front_mut() {
+            first.link = None;
+        }
+        let (constants, discs, gyro_errors) = (self.constants.clone(), self.discs.clone(), self.gyro_errors.clone());
+        KeyFrames { frames, constants, discs, gyro_errors, ..*self }
+    }
+
+    /// The latest key frames, of which programs are made while the robot drives.
+    pub fn latest(&self) -> Cow<'_, KeyFrames> {
+        match self.frames.len().checked_sub(MOST) {
+            None | Some(0) => Cow::Borrowed(self),
+            Some(n_older) => Cow::Owned(self.window(n_older, MOST)),
+        }
+    }
+
+    /// All readings at key frames, with their stamps.
+    pub fn readings_mut(&mut self) -> impl Iterator<Item = (f64, &mut FrameReading)> {
+        self.frames.iter_mut().flat_map(|frame| {
+            let stamp_s = frame.stamp_s;
+            frame.readings.iter_mut().map(move |reading| (stamp_s, reading))
+        })
+    }
+
+    /// Narrows the poses among the quantities of which bounds are given.
+    pub fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
+        for &(variable, bound) in bounds {
+            if let Variable::Pose(number, axis) = variable
+                && let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number)
+            {
+                frame.pose[axis] = frame.pose[axis].intersect(bound);
+            }
         }
     }
 
@@ -84,34 +153,54 @@ impl KeyFrames {
     }
 
     /// Stamps of the last but one and of the latest key frame.
-    pub fn span_before_latest_s(&self) -> Option<[f64; 2]> {
+    fn span_before_latest_s(&self) -> Option<[f64; 2]> {
         let before = self.frames.len().checked_sub(2)?;
         Some([self.frames[before].stamp_s, self.frames[before + 1].stamp_s])
     }
 
-    /// Box of the headings at the last but one key frame.
-    pub fn heading_before_latest(&self) -> Interval {
-        self.frames.len().checked_sub(2).map_or(Interval::EMPTY, |before| self.frames[before].pose[2])
-    }
-
-    /// Adds a key frame with a later stamp than all others. It takes the place of the latest one where the key frame before that is near. `pose`
-    /// encloses the pose at its stamp. The way to it is not known yet.
-    pub fn push(&mut self, stamp_s: f64, pose: PoseBox, stray: Stray, relations: Option<Arc<dyn Relations>>) {
-        if self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= APART_S) {
-            self.frames.pop_back();
+    /// Adds a key frame with a later stamp than all others. `pose` encloses the pose at its stamp. The way to it is not known yet. It takes the place of
+    /// the latest one where the key frame before that is near, and where one of these two has a reading of each source that the latest one has.
+    pub fn push(&mut self, stamp_s: f64, pose: PoseBox, reading: Option<FrameReading>) {
+        let is_near =
+            !self.keeps_all && self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= APART_S);
+        if let (true, Some(before), Some(latest)) = (is_near, self.frames.iter().nth_back(1), self.frames.back()) {
+            let is_read = |source| before.has(source) || reading.as_ref().is_some_and(|new| new.source == source);
+            if latest.readings.iter().all(|one| is_read(one.source)) {
+                self.frames.pop_back();
+            }
         }
-        self.push_beside(stamp_s, pose, stray, relations);
-        if self.frames.len() > MOST {
+        self.push_beside(stamp_s, pose, reading);
+        if self.frames.len() > MOST && !self.keeps_all {
             self.drop_one();
         }
     }
 
     /// Adds a key frame with a later stamp than all others, however near to them.
-    pub fn push_beside(&mut self, stamp_s: f64, pose: PoseBox, stray: Stray, relations: Option<Arc<dyn Relations>>) {
-        let number = self.next_number;
-        self.next_number += 1;
+    pub fn push_beside(&mut self, stamp_s: f64, pose: PoseBox, reading: Option<FrameReading>) {
+        let number = self.new_number();
         let (label, link, place) = (None, None, None);
-        self.frames.push_back(KeyFrame { number, stamp_s, pose, label, link, relations, stray, place });
+        let readings = reading.into_iter().map(|reading| FrameReading { number, ..reading }).collect();
+        self.frames.push_back(KeyFrame { number, stamp_s, pose, label, link, readings, is_linked: false, place });
+    }
+
+    /// Adds a reading to the key frame with exactly this stamp, if there is one without a reading of this source. Returns whether it was added.
+    pub fn join(&mut self, stamp_s: f64, reading: FrameReading) -> bool {
+        let is_open = |frame: &KeyFrame| frame.stamp_s == stamp_s && !frame.has(reading.source);
+        let Some(at) = self.frames.iter().rposition(is_open) else { return false };
+        let number = if self.frames[at].readings.is_empty() { self.frames[at].number } else { self.new_number() };
+        self.frames[at].readings.push(FrameReading { number, ..reading });
+        self.frames[at].is_linked = false;
+        true
+    }
+
+    fn new_number(&mut self) -> usize {
+        self.next_number += 1;
+        self.next_number - 1
+    }
+
+    /// Stamp of the latest key frame that has a reading of a source.
+    pub fn latest_of_s(&self, source: &str) -> Option<f64> {
+        self.frames.iter().rev().find(|frame| frame.has(source)).map(|frame| frame.stamp_s)
     }
 
     /// Says which reading makes the box of the latest key frame's pose.
@@ -128,37 +217,49 @@ impl KeyFrames {
 
     /// Whether a reading at the latest key frame relates its pose to other quantities.
     pub fn latest_relates(&self) -> bool {
-        self.frames.back().is_some_and(|latest| latest.relations.is_some())
+        self.frames.back().is_some_and(|latest| !latest.readings.is_empty())
     }
 
-    /// Greatest error of the stamp of the latest key frame's reading.
-    pub fn latest_stamp_error_s(&self) -> f64 {
-        self.frames.back().and_then(|latest| latest.relations.as_ref()).map_or(0.0, |latest| latest.stamp_error_s())
+    /// The oldest key frame whose way from the key frame before has not been asked for.
+    pub fn unlinked(&self) -> Option<Unlinked> {
+        let at = self.frames.iter().position(|frame| !frame.is_linked)?;
+        let before = at.checked_sub(1).map(|before| &self.frames[before]);
+        let KeyFrame { number, stamp_s, readings, .. } = &self.frames[at];
+        Some(Unlinked {
+            number: *number,
+            stamp_s: *stamp_s,
+            before: before.map(|one| (one.stamp_s, one.pose[2])),
+            stamp_errors_s: readings.iter().map(|reading| reading.relations.stamp_error_s()).collect(),
+        })
     }
 
-    /// Sets the way from the last but one key frame to the latest one, and how far the robot can have gone within the error of the latter's stamp.
-    pub fn set_latest(&mut self, way: Option<Way>, flow: Option<FlowWay>, stray: Stray) {
-        let Some(mut latest) = self.frames.pop_back() else { return };
-        latest.stray = stray;
-        if let Some(before) = self.frames.back_mut().filter(|_| way.is_some() || flow.is_some()) {
+    /// Sets the way to a key frame from the one before, if it is known, and how far the robot can have gone within the errors of its readings' stamps,
+    /// as far as that is known.
+    pub fn link(&mut self, number: usize, way: Option<Way>, flow: Option<FlowWay>, strays: &[Stray]) {
+        let Some(at) = self.frames.iter().position(|frame| frame.number == number) else { return };
+        let is_told = at > 0 && (way.is_some() || flow.is_some());
+        if is_told {
             let place = flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])));
+            let before = &mut self.frames[at - 1];
             let shares_error = place.is_some_and(|[first, _]| *before.place.get_or_insert(first) == first);
-            latest.place = place.map(|[_, last]| last);
             let scale_change = self.flow_scale_change;
-            latest.link = Some(Link::Read(Read { way, flow, shares_error, scale_change }));
+            self.frames[at].place = place.map(|[_, last]| last);
+            self.frames[at].link = Some(Link::Read(Read { way, flow, shares_error, scale_change }));
         }
-        if latest.link.is_none() && self.frames.iter().all(|frame| frame.relations.is_none()) {
+        let frame = &mut self.frames[at];
+        frame.is_linked = true;
+        frame.readings.iter_mut().zip(strays).for_each(|(reading, &stray)| reading.stray = stray);
+        if frame.link.is_none() && self.frames.iter().take(at).all(|frame| frame.readings.is_empty()) {
             // Nothing relates the key frames before to this one.
-            self.frames.clear();
+            self.frames.drain(..at);
         }
-        self.frames.push_back(latest);
     }
 
-    /// The gap between two key frames into which a late reading with the given stamp fits: at least `apart_s` from any other reading that relates
-    /// something, and before the latest key frame.
-    pub fn gap_for(&self, stamp_s: f64, apart_s: f64) -> Option<Gap> {
+    /// The gap between two key frames into which a late reading with the given stamp fits: at least `apart_s` from any other reading of its source, and
+    /// before the latest key frame.
+    pub fn gap_for(&self, stamp_s: f64, source: &str, apart_s: f64) -> Option<Gap> {
         let at = self.frames.iter().position(|frame| frame.stamp_s > stamp_s).filter(|&at| at > 0)?;
-        let is_near = |frame: &KeyFrame| frame.relations.is_some() && (frame.stamp_s - stamp_s).abs() < apart_s;
+        let is_near = |frame: &KeyFrame| frame.has(source) && (frame.stamp_s - stamp_s).abs() < apart_s;
         let [before, after] = [&self.frames[at - 1], &self.frames[at]];
         let is_free = !self.frames.iter().any(is_near) && before.stamp_s < stamp_s && after.link.is_some();
         is_free.then_some(Gap { at, span_s: [before.stamp_s, after.stamp_s], heading: before.pose[2] })
@@ -166,59 +267,54 @@ impl KeyFrames {
 
     /// Adds a key frame for a late reading between two others, with the ways to it and on from it. Returns whether it was added: the ways have to
     /// tell the motion as fully as the way between the two others did.
-    pub fn insert(&mut self, gap: &Gap, stamp_s: f64, late: LateFrame, ways: [Ways; 2]) -> bool {
+    pub fn insert(
+        &mut self,
+        gap: &Gap,
+        stamp_s: f64,
+        pose: PoseBox,
+        reading: FrameReading,
+        [first, second]: [Ways; 2],
+    ) -> bool {
         let [before, after] = [&self.frames[gap.at - 1], &self.frames[gap.at]];
         let place = |flow: &Option<FlowWay>| {
             flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])))
         };
-        let [to, on] = [place(&ways[0].1), place(&ways[1].1)];
+        let [to, on] = [place(&first.1), place(&second.1)];
         let had = after.link.as_ref().map(Link::tells);
         let tells = |(way, flow): &Ways| [flow.is_some(), way.is_some()];
         let keeps_places = to.is_none_or(|[first, _]| before.place.is_none_or(|place| place == first))
             && on.map(|[_, last]| last) == after.place;
-        if !keeps_places || had.is_none_or(|had| ways.iter().any(|ways| had != tells(ways))) {
+        if !keeps_places || had.is_none_or(|had| [&first, &second].iter().any(|ways| had != tells(ways))) {
             return false;
         }
-        let number = self.next_number;
-        self.next_number += 1;
+        let number = self.new_number();
         let scale_change = self.flow_scale_change;
-        let LateFrame { pose, stray, relations } = late;
-        let [first, second] = ways;
         let link =
             |(way, flow): Ways, shares_error: bool| Some(Link::Read(Read { way, flow, shares_error, scale_change }));
-        if let (Some([first, _]), None) = (to, before.place) {
+        if let (Some([first, _]), None) = (to, self.frames[gap.at - 1].place) {
             self.frames[gap.at - 1].place = Some(first);
         }
         let shares_error = to.zip(on).is_some_and(|([_, last], [first, _])| last == first);
         self.frames[gap.at].link = link(second, shares_error);
         let place = to.map(|[_, last]| last);
-        let relations = Some(relations);
-        let frame =
-            KeyFrame { number, stamp_s, pose, label: None, link: link(first, to.is_some()), relations, stray, place };
+        let readings = vec![FrameReading { number, ..reading }];
+        let link = link(first, to.is_some());
+        let frame = KeyFrame { number, stamp_s, pose, label: None, link, readings, is_linked: true, place };
         self.frames.insert(gap.at, frame);
-        if self.frames.len() > MOST {
+        if self.frames.len() > MOST && !self.keeps_all {
             self.drop_one();
         }
         true
     }
 
-    /// Narrows the pose of the latest key frame.
-    pub fn narrow_latest(&mut self, pose: &PoseBox) {
-        if let Some(latest) = self.frames.back_mut() {
-            latest.pose = latest.pose.intersect(pose);
-        }
+    /// Stamp of the key frame with the given number.
+    pub fn stamp_s(&self, number: usize) -> Option<f64> {
+        self.frames.iter().find(|frame| frame.number == number).map(|frame| frame.stamp_s)
     }
 
     /// Number of the key frame that is so many key frames older than the latest one.
     pub fn number_before_latest(&self, n_frames: usize) -> Option<usize> {
         Some(self.frames.get(self.frames.len().checked_sub(n_frames + 1)?)?.number)
-    }
-
-    /// Narrows the heading at the key frame with the given number.
-    pub fn narrow_heading(&mut self, number: usize, heading: Interval) {
-        if let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number) {
-            frame.pose[2] = frame.pose[2].intersect(heading);
-        }
     }
 
     /// Forgets all key frames, and what was known of the gyroscope.
@@ -262,22 +358,35 @@ pub struct Gap {
     pub heading: Interval,
 }
 
-/// A late reading as a key frame.
-pub struct LateFrame {
-    /// Box of the pose at the reading's stamp.
-    pub pose: PoseBox,
-    /// How far the robot can have gone within the error of the stamp.
-    pub stray: Stray,
-    /// What the reading relates.
-    pub relations: Arc<dyn Relations>,
+/// A key frame whose way from the key frame before has not been asked for.
+#[derive(Clone, Debug)]
+pub struct Unlinked {
+    /// Number of the key frame.
+    pub number: usize,
+    /// Stamp of the key frame.
+    pub stamp_s: f64,
+    /// Stamp of the key frame before, and the headings there; `None` for the first key frame.
+    pub before: Option<(f64, Interval)>,
+    /// Greatest errors of the stamps of its readings.
+    pub stamp_errors_s: Vec<f64>,
+}
+
+impl FrameReading {
+    /// A reading of a source, for a key frame.
+    pub fn new(source: &'static str, relations: Arc<dyn Relations>, stray: Stray) -> FrameReading {
+        FrameReading { source, relations, stray, number: 0 }
+    }
+
+    /// How far the pose that the reading shows may be from the pose at its stamp.
+    fn displaced(&self) -> Stray {
+        Stray { metres: self.relations.shift_m(&self.stray), ..self.stray }
+    }
 }
 
 impl KeyFrame {
-    /// How far the pose that a reading shows may be from the pose at its stamp.
-    fn displaced(&self) -> Stray {
-        let of_reading =
-            |relations: &Arc<dyn Relations>| Stray { metres: relations.shift_m(&self.stray), ..self.stray };
-        self.relations.as_ref().map_or(Stray::default(), of_reading)
+    /// Whether the key frame has a reading of a source.
+    fn has(&self, source: &str) -> bool {
+        self.readings.iter().any(|one| one.source == source)
     }
 }
 

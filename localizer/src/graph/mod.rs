@@ -30,7 +30,7 @@ pub use conflict::{Conflict, ConflictSearch};
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
-pub use key_frames::{KeyFrames, LateFrame, Place, Ways};
+pub use key_frames::{FrameReading, KeyFrames, Place, Unlinked, Ways};
 pub(crate) use over_readings::{PoseByRows, bounds_over, is_linear_over};
 pub use place::SeenPlace;
 pub use related::{BoxLabel, Readings, Related, RowLabel, Suspect};

@@ -173,13 +173,13 @@ pub(super) struct Read {
 }
 
 /// A drive with all true values, at the corners of the bounds above.
-pub(super) struct Drive {
+pub(crate) struct Drive {
     has_angle: bool,
     /// What is read every 10 ms.
     pub(super) readings: Vec<Read>,
     /// The stamps of the key frames, the true poses there, and the bounded part of the accumulated angle error.
-    pub(super) stamps_s: Vec<f64>,
-    pub(super) poses: Vec<[f64; 3]>,
+    pub(crate) stamps_s: Vec<f64>,
+    pub(crate) poses: Vec<[f64; 3]>,
     angle_rad: Vec<f64>,
     /// Length of the whole path of the axle's middle.
     pub(super) path_m: f64,
@@ -195,7 +195,7 @@ impl Drive {
     }
 
     /// Draws a drive, integrated in steps of 0.1 ms by the midpoint rule, with key frames at equal distances: on a reading or between two.
-    pub(super) fn new(draw: &mut Draw, has_angle: bool, lasts_s: f64, n_frames: usize) -> Drive {
+    pub(crate) fn new(draw: &mut Draw, has_angle: bool, lasts_s: f64, n_frames: usize) -> Drive {
         let mut constants = BTreeMap::new();
         let mut put = |constant, values: Interval| constants.insert(constant, draw.within(values));
         for side in 0..2 {
@@ -232,7 +232,7 @@ impl Drive {
     }
 
     /// The readings as the localizer keeps them.
-    pub(super) fn history(&self, has_gyro: bool) -> WheelHistory {
+    pub(crate) fn history(&self, has_gyro: bool) -> WheelHistory {
         let mut history = WheelHistory::new(1000.0).with_flow(flow());
         if has_gyro {
             history = history.with_gyro(gyro(self.has_angle));

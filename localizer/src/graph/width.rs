@@ -79,7 +79,7 @@ mod tests {
     use crate::{
         bounds,
         graph::{
-            Constant, Domain, Hull, KeyFrames, Row, Stray, Variable,
+            Constant, Domain, Hull, KeyFrames, Row, Unlinked, Variable,
             related::Origin,
             trial::{Draw, Drive, reach, robot, wheels},
         },
@@ -118,11 +118,13 @@ mod tests {
         for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate() {
             let half_m = if at == 0 { 0.001 } else { 2.0 };
             let pose = [(0, half_m), (1, half_m), (2, 0.02)].map(|(axis, half)| Interval::centred(truth[axis], half));
-            frames.push(stamp_s, IntervalBox::from(pose), Stray::default(), None);
-            if let Some([from_s, to_s]) = frames.span_before_latest_s() {
-                let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
-                frames.set_latest(history.way(from_s, to_s, &wheels(), &reach()), flow, Stray::default());
-            }
+            frames.push(stamp_s, IntervalBox::from(pose), None);
+            let Unlinked { number, stamp_s: to_s, before, .. } = frames.unlinked().unwrap();
+            let (way, flow) = before.map_or((None, None), |(from_s, heading)| {
+                let flow = history.flow_way(from_s, to_s, heading, &wheels(), &reach());
+                (history.way(from_s, to_s, &wheels(), &reach()), flow)
+            });
+            frames.link(number, way, flow, &[]);
         }
         let number = frames.latest_number();
         let mut hull =

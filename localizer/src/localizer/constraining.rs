@@ -31,7 +31,7 @@ impl Localizer {
                 continue;
             };
             let constraint = if constraint.heading_only { self.on_a_reading(constraint) } else { constraint };
-            let (hung_s, relations) = (constraint.stamp_s, constraint.relations.clone());
+            let (hung_s, source, relations) = (constraint.stamp_s, constraint.method, constraint.relations.clone());
             let device = device(reading, constraint.method);
             let mut account = self.hang(constraint, device, prior.clone());
             let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.merged().hull()[2]);
@@ -46,7 +46,7 @@ impl Localizer {
                 self.begin_doubt(None);
             }
             let posterior = self.ring.at(hung_s).map(Slot::merged).unwrap_or_default();
-            self.relate(hung_s, &posterior, relations);
+            self.relate(hung_s, &posterior, relations.map(|relations| (source, relations)));
             accounts.push(account);
         }
         Observed::used(accounts)

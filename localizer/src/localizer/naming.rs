@@ -12,7 +12,7 @@ use interval::{Interval, IntervalBox};
 use crate::{
     PoseBox, PoseUnion, bounds,
     bounds::Assumption,
-    graph::{BoxLabel, ConflictSearch, KeyFrames, Readings, Related, Stray},
+    graph::{BoxLabel, ConflictSearch, FrameReading, KeyFrames, Readings, Related, Stray},
     motion::moved_union,
 };
 
@@ -168,7 +168,7 @@ impl Localizer {
     fn around(&self, (from_s, from): (f64, PoseBox), intersected: Intersected, apart_s: f64) -> Option<Related> {
         let mut frames = KeyFrames::new(&self.robot);
         frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
-        frames.push_beside(from_s, from, Stray::default(), None);
+        frames.push_beside(from_s, from, None);
         let (mut before_s, mut believed) = (from_s, from);
         for index in 0..self.ring.len() {
             let slot = &self.ring[index];
@@ -215,9 +215,12 @@ impl Localizer {
             let union = PoseUnion::single(sought).contracted(constraint.on_pose.as_ref());
             union.branches.into_iter().filter(|one| !one.is_empty()).min_by(|a, b| away(a).total_cmp(&away(b)))
         });
-        let stray =
-            relations.as_ref().map_or(Stray::default(), |one| Stray::by_reach(one.stamp_error_s(), &robot.reach));
-        frames.push_beside(stamp_s, alone.unwrap_or(sought), stray, relations);
+        let source = constraint.map_or("", |constraint| constraint.method);
+        let reading = relations.map(|relations| {
+            let stray = Stray::by_reach(relations.stamp_error_s(), &robot.reach);
+            FrameReading::new(source, relations, stray)
+        });
+        frames.push_beside(stamp_s, alone.unwrap_or(sought), reading);
         let narrower = alone.map(|alone| [0, 1, 2].map(|axis| is_narrower(alone[axis], sought[axis])));
         frames.label_latest(narrower.zip(slot.and_then(Slot::label)).map(|(axes, label)| BoxLabel {
             axes,
@@ -226,7 +229,7 @@ impl Localizer {
         }));
         let way = wheels.way(before_s, stamp_s, &robot.wheels, &robot.reach);
         let flow = wheels.flow_way(before_s, stamp_s, before[2], &robot.wheels, &robot.reach);
-        frames.set_latest(way, flow, stray);
+        frames.link(frames.latest_number(), way, flow, &[]);
         let both = alone.map(|alone| alone.intersect(&predicted));
         both.filter(|both| !both.is_empty()).or(alone).unwrap_or(predicted)
     }

@@ -10,12 +10,12 @@ use interval::{Interval, IntervalBox};
 
 use crate::{
     PoseBox, PoseUnion, RobotModel,
-    graph::{Hull, KeyFrames, LateFrame, Related, Relations, Stray, Variable, Ways, WidthParts},
+    graph::{FrameReading, Hull, KeyFrames, Related, Relations, Stray, Unlinked, Variable, Ways, WidthParts},
 };
 
 use super::{Localizer, naming::Intersected, ring::Slot};
 
-/// Least time between two key frames.
+/// Least time between two key frames with readings of the same source, and from a key frame to one without a reading.
 const PERIOD_S: f64 = 1.0;
 /// Least time from a key frame with a reading that relates something to one without. Readings of the motion are remembered for 3 s, within which both
 /// the next key frame and its readings have to arrive.
@@ -35,7 +35,7 @@ const SMOOTHED_EVERY: usize = 2;
 
 /// The key frames, and the work on the program of the latest one.
 pub(super) struct Graph {
-    frames: KeyFrames,
+    pub(super) frames: KeyFrames,
     work: Option<Work>,
     /// What makes the width of the latest key frame whose bounds are known.
     width: Option<PoseWidth>,
@@ -75,15 +75,29 @@ impl Graph {
         self.work = None;
     }
 
-    /// Whether a stamp becomes a key frame: after some time, which is longer where a reading that relates something may follow soon, and none at all
-    /// where such a reading follows a key frame without one.
-    fn is_due(&self, stamp_s: f64, relates: bool) -> bool {
-        let wait_s = match (relates, self.frames.latest_relates()) {
-            (true, false) => SLACK_S,
-            (false, true) => LONGEST_S,
-            _ => PERIOD_S,
-        };
-        self.frames.latest_s().is_none_or(|latest_s| stamp_s >= latest_s + wait_s - 0.5 * SLACK_S)
+    /// Whether a stamp becomes a key frame. A reading that relates something waits for some time after the latest one of its source, unless no such
+    /// reading stands at the latest key frame; a reading of the map, whose rows tell little more than its box of the pose, waits for as long after any
+    /// other. A stamp without such a reading waits longer where one may follow soon.
+    fn is_due(&self, stamp_s: f64, reading: Option<&FrameReading>) -> bool {
+        let Some(latest_s) = self.frames.latest_s() else { return true };
+        let is_past = |from_s: f64, wait_s: f64| stamp_s >= from_s + wait_s - 0.5 * SLACK_S;
+        match (reading, self.frames.latest_relates()) {
+            (Some(reading), true) if reading.relations.is_of_the_map() => is_past(latest_s, PERIOD_S),
+            (Some(reading), true) => {
+                let was_read_s = self.frames.latest_of_s(reading.source);
+                is_past(latest_s, SLACK_S) && was_read_s.is_none_or(|read_s| is_past(read_s, PERIOD_S))
+            }
+            (Some(_), false) => is_past(latest_s, SLACK_S),
+            (None, true) => is_past(latest_s, LONGEST_S),
+            (None, false) => is_past(latest_s, PERIOD_S),
+        }
+    }
+
+    /// Has the latest key frame's pose bounded once its readings have arrived, after the work that has begun.
+    fn await_readings(&mut self) {
+        if !matches!(self.work, Some(Work::Solving(_))) {
+            self.work = Some(Work::Awaiting(0));
+        }
     }
 
     /// Number of the older key frame whose heading is bounded once more with the latest key frame's pose, if there is one.
@@ -107,39 +121,48 @@ impl Localizer {
         self.graph.width.as_ref()
     }
 
-    /// Keeps a reading as a key frame if one is due. `posterior` encloses the pose at its stamp.
-    pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, relations: Option<Arc<dyn Relations>>) {
-        let relations = relations.filter(|relations| relations.is_worth_a_key_frame());
+    /// Keeps a reading as a key frame if one is due, or at a key frame that there is at its stamp. `posterior` encloses the pose at its stamp, and
+    /// `reading` is the source of the reading and what it relates.
+    pub(super) fn relate(
+        &mut self,
+        stamp_s: f64,
+        posterior: &PoseUnion,
+        reading: Option<(&'static str, Arc<dyn Relations>)>,
+    ) {
+        let reading = reading.filter(|(_, relations)| relations.is_worth_a_key_frame());
         let pose = posterior.hull();
         let is_known = !pose.is_empty() && pose[2].width() <= WIDEST_RAD;
         let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;
         if !is_known || !is_believed {
             return;
         }
-        if !self.graph.is_due(stamp_s, relations.is_some()) {
-            if let Some(relations) = relations {
-                self.relate_late(stamp_s, pose, relations);
-            }
-            return;
+        let reading = reading.map(|(source, relations)| {
+            let stray = Stray::by_reach(relations.stamp_error_s(), &self.robot.reach);
+            FrameReading::new(source, relations, stray)
+        });
+        if self.graph.is_due(stamp_s, reading.as_ref()) {
+            self.graph.frames.push(stamp_s, pose, reading);
+            self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
+            self.graph.await_readings();
+        } else if let Some(reading) = reading
+            && !self.graph.frames.join(stamp_s, reading.clone())
+        {
+            self.relate_late(stamp_s, pose, reading);
         }
-        let stamp_error_s = relations.as_ref().map_or(0.0, |relations| relations.stamp_error_s());
-        let stray = Stray::by_reach(stamp_error_s, &self.robot.reach);
-        self.graph.frames.push(stamp_s, pose, stray, relations);
-        self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
-        self.graph.work = Some(Work::Awaiting(0));
     }
 
     /// Keeps a late reading as a key frame between two others where there is room for it. Then the latest pose is bounded anew with it.
-    fn relate_late(&mut self, stamp_s: f64, pose: PoseBox, relations: Arc<dyn Relations>) {
-        let Some(gap) = self.graph.frames.gap_for(stamp_s, PERIOD_S - 0.5 * SLACK_S) else { return };
+    fn relate_late(&mut self, stamp_s: f64, pose: PoseBox, reading: FrameReading) {
+        let least_s = PERIOD_S - 0.5 * SLACK_S;
+        let Some(gap) = self.graph.frames.gap_for(stamp_s, reading.source, least_s) else { return };
         let [from_s, to_s] = gap.span_s;
         if from_s < self.doubts.ended_s {
             return;
         }
         let ways = [self.ways([from_s, stamp_s], gap.heading), self.ways([stamp_s, to_s], pose[2])];
-        let stray = self.stray_at(stamp_s, relations.stamp_error_s());
-        let late = LateFrame { pose, stray, relations };
-        if self.graph.frames.insert(&gap, stamp_s, late, ways) {
+        let stray = self.stray_at(stamp_s, reading.relations.stamp_error_s());
+        let reading = FrameReading::new(reading.source, reading.relations, stray);
+        if self.graph.frames.insert(&gap, stamp_s, pose, reading, ways) {
             self.graph.work.get_or_insert(Work::Awaiting(0));
         }
     }
@@ -171,6 +194,8 @@ impl Localizer {
             Work::Made(related) => Some(Work::Solving(Box::new(Hull::new(*related, self.graph.wanted())))),
             Work::Solving(mut hull) => {
                 if hull.advance() {
+                    // A key frame that was made meanwhile has its turn.
+                    self.graph.work = self.graph.frames.unlinked().map(|_| Work::Awaiting(0));
                     self.apply(*hull);
                     return;
                 }
@@ -181,45 +206,46 @@ impl Localizer {
 
     /// The program of all key frames, with what has been read and learnt by now; `None` where a quantity of it is not bounded.
     fn related(&mut self) -> Option<Related> {
-        self.learn_way();
+        self.learn_ways();
         self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
         let known = self.landmarks();
-        self.graph.frames.related(&known).ok()
+        self.graph.frames.latest().related(&known).ok()
     }
 
-    /// Computes, from the readings that have arrived, the way to the latest key frame, and how far the robot can have gone within the error of its
-    /// stamp.
-    fn learn_way(&mut self) {
-        let Some(stamp_s) = self.graph.frames.latest_s() else { return };
-        let span_s = self.graph.frames.span_before_latest_s().filter(|span_s| span_s[0] >= self.doubts.ended_s);
-        let heading = self.graph.frames.heading_before_latest();
-        let (way, flow) = span_s.map_or((None, None), |span_s| self.ways(span_s, heading));
-        let stray = self.stray_at(stamp_s, self.graph.frames.latest_stamp_error_s());
-        self.graph.frames.set_latest(way, flow, stray);
+    /// Computes, from the readings that have arrived, the ways to the key frames that have none yet, and how far the robot can have gone within the
+    /// errors of their readings' stamps.
+    pub(super) fn learn_ways(&mut self) {
+        while let Some(Unlinked { number, stamp_s, before, stamp_errors_s }) = self.graph.frames.unlinked() {
+            let before = before.filter(|(before_s, _)| *before_s >= self.doubts.ended_s);
+            let (way, flow) =
+                before.map_or((None, None), |(before_s, heading)| self.ways([before_s, stamp_s], heading));
+            let strays: Vec<Stray> =
+                stamp_errors_s.into_iter().map(|error_s| self.stray_at(stamp_s, error_s)).collect();
+            self.graph.frames.link(number, way, flow, &strays);
+        }
     }
 
     /// Brings the bounds of a program back to the stored pose of its key frame.
     fn apply(&mut self, hull: Hull) {
-        let Some(stamp_s) = self.graph.frames.latest_s() else { return };
         let bounds = hull.bounds().unwrap_or_default();
-        let &[x, y, heading, ref older @ ..] = bounds.as_slice() else {
+        let &[x, y, heading, ..] = bounds.as_slice() else {
             self.note_contradiction(Intersected::Known, Some(hull.into_related()));
             self.begin_doubt(None);
             return;
         };
+        let wanted: Vec<Variable> = hull.wanted().collect();
+        // Another key frame may have taken the place of the one that was bounded.
+        let number = wanted.first().and_then(|variable| variable.frame());
+        let Some(stamp_s) = number.and_then(|number| self.graph.frames.stamp_s(number)) else { return };
         let parts = hull.width_parts();
         if let [x_m, y_m, heading_rad, ..] = parts.as_slice() {
             let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
             self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
         }
-        // Late readings may have become key frames since the program was made, so that the older one is no longer as many key frames old.
-        if let (Some(Variable::Pose(number, _)), &[heading]) = (hull.wanted().nth(3), older) {
-            self.graph.frames.narrow_heading(number, heading);
-        }
-        let pose = IntervalBox::from([x, y, heading]);
-        self.graph.frames.narrow_latest(&pose);
+        let narrower: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
+        self.graph.frames.narrow(&narrower);
         let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return };
-        slot.related = Some(pose);
+        slot.related = Some(IntervalBox::from([x, y, heading]));
         if !self.replay_all(stamp_s) {
             self.restart_integral();
             self.predict();

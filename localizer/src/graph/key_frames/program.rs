@@ -1,17 +1,14 @@
 //! The linear program of all key frames: the boxes of its quantities, and its rows.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    sync::Arc,
-};
+use std::collections::{BTreeMap, BTreeSet};
 
 use interval::{Interval, linear_program::ProgramError};
 
 use crate::{bounds, bounds::Assumption, reading::LandmarkId, robot::GyroModel};
 
 use super::{
-    super::{Constant, Domain, Related, Relations, Row, Suspect, Variable, related::Origin},
-    KeyFrame, KeyFrames, Place,
+    super::{Constant, Domain, Related, Row, Stray, Suspect, Variable, related::Origin},
+    FrameReading, KeyFrame, KeyFrames, Place,
 };
 
 /// The gyroscope's errors that are constant over a run.
@@ -24,6 +21,7 @@ impl KeyFrames {
         let whole_s = [self.frames.front(), self.frames.back()].map(|frame| frame.map_or(0.0, |frame| frame.stamp_s));
         let learnt = Origin { is_learnt: true, ..Origin::over(whole_s) };
         let mut rows: Vec<(Row, Origin)> = self.gyro_rows(&domain).into_iter().map(|row| (row, learnt)).collect();
+        let shown = Shown::new(self, &domain);
         let mut before: Option<&KeyFrame> = None;
         for frame in &self.frames {
             if let (Some(before), Some(link)) = (before, &frame.link) {
@@ -31,9 +29,11 @@ impl KeyFrames {
                 let between = link.rows([before.number, frame.number], &domain).into_iter();
                 rows.extend(between.chain(self.drift_row(before, frame, &domain)).map(|row| (row, origin)));
             }
-            let void_without = frame.relations.as_ref().and_then(|relations| relations.void_without());
-            let origin = Origin { void_without, ..Origin::over([frame.stamp_s; 2]) };
-            rows.extend(frame.rows(&domain).into_iter().map(|row| (row, origin)));
+            for reading in &frame.readings {
+                let void_without = reading.relations.void_without();
+                let origin = Origin { void_without, ..Origin::over([frame.stamp_s; 2]) };
+                rows.extend(shown.rows(reading).into_iter().map(|row| (row, origin)));
+            }
             before = Some(frame);
         }
         // Quantities that no row names are left out.
@@ -51,10 +51,11 @@ impl KeyFrames {
             let made_by = related.made_by.get_mut(&variable).into_iter();
             made_by.for_each(|made_by| made_by.extend(made_by.first().map(|&(_, half)| (Suspect::Earlier, half))));
         }
-        for frame in &self.frames {
+        for reading in self.readings() {
             for axis in 0..3 {
-                if let Some(made_by) = related.made_by.get_mut(&Variable::Shift(frame.number, axis)) {
-                    *made_by = frame.shift_parts(axis).map(|(bound, half)| (Suspect::Bound(bound), half)).collect();
+                if let Some(made_by) = related.made_by.get_mut(&Variable::Shift(reading.number, axis)) {
+                    let parts = reading.shift_parts(axis).into_iter();
+                    *made_by = parts.map(|(bound, half)| (Suspect::Bound(bound), half)).collect();
                 }
             }
         }
@@ -78,11 +79,13 @@ impl KeyFrames {
         let mut named: BTreeMap<Variable, (usize, Interval)> = known.collect();
         for frame in &self.frames {
             domain.put_pose(frame.number, &frame.pose);
-            let displaced = frame.displaced();
-            for axis in (0..3).filter(|&axis| displaced.of_axis(axis) > 0.0) {
-                domain.put(Variable::Shift(frame.number, axis), Interval::centred(0.0, displaced.of_axis(axis)));
+            for reading in &frame.readings {
+                let displaced = reading.displaced();
+                for axis in (0..3).filter(|&axis| displaced.of_axis(axis) > 0.0) {
+                    domain.put(Variable::Shift(reading.number, axis), Interval::centred(0.0, displaced.of_axis(axis)));
+                }
             }
-            let quantities = frame.relations.iter().flat_map(|one| one.quantities(frame.number, &frame.pose));
+            let quantities = frame.readings.iter().flat_map(|one| one.relations.quantities(one.number, &frame.pose));
             for (variable, value) in quantities {
                 let (n_named, best) = named.entry(variable).or_insert((0, Interval::ENTIRE));
                 *n_named += 1;
@@ -109,13 +112,17 @@ impl KeyFrames {
         domain
     }
 
+    /// All readings at key frames.
+    fn readings(&self) -> impl Iterator<Item = &FrameReading> {
+        self.frames.iter().flat_map(|frame| &frame.readings)
+    }
+
     /// Declared bounds with the parts that they make of a quantity's interval.
     fn parts(&self, variable: Variable, domain: &Domain) -> Vec<(Assumption, f64)> {
         match (variable, variable.bound()) {
             (_, Some(bound)) => vec![(bound, domain.value(variable).radius())],
             (Variable::Shift(number, axis), None) => {
-                let frame = self.frames.iter().find(|frame| frame.number == number);
-                frame.into_iter().flat_map(|frame| frame.shift_parts(axis)).collect()
+                self.readings().find(|one| one.number == number).map_or_else(Vec::new, |one| one.shift_parts(axis))
             }
             _ => Vec::new(),
         }
@@ -124,10 +131,10 @@ impl KeyFrames {
     /// Rows that cut the corners off the square about each disc of quantities that other rows name: with components a and b of length r at most,
     /// |a ± b| ≤ √2·r.
     fn disc_rows(&self, named: &BTreeSet<Variable>, domain: &Domain) -> Vec<Row> {
-        let of_readings = self.frames.iter().flat_map(|frame| {
-            let shift = ([0, 1].map(|axis| Variable::Shift(frame.number, axis)), frame.displaced().metres);
+        let of_readings = self.readings().flat_map(|reading| {
+            let shift = ([0, 1].map(|axis| Variable::Shift(reading.number, axis)), reading.displaced().metres);
             let shift = Some(shift).filter(|&(_, shift_m)| shift_m > 0.0);
-            frame.relations.iter().flat_map(|relations| relations.discs(frame.number)).chain(shift)
+            reading.relations.discs(reading.number).into_iter().chain(shift)
         });
         let mut discs: BTreeMap<[Variable; 2], f64> = of_readings.collect();
         discs.extend(self.discs.iter().copied());
@@ -177,31 +184,55 @@ impl KeyFrames {
     }
 }
 
-impl KeyFrame {
-    /// Declared bounds with the parts that they make of the displacement along an axis of the pose that the reading shows.
-    fn shift_parts(&self, axis: usize) -> impl Iterator<Item = (Assumption, f64)> {
-        let of_relations = move |relations: &Arc<dyn Relations>| match axis {
-            2 => [relations.stamp_bound(), bounds::REACH_TURN_RATE].map(|one| (one, self.stray.radians)).to_vec(),
-            _ => relations.shift_parts(&self.stray),
-        };
-        self.relations.iter().flat_map(of_relations)
-    }
+/// The poses that the readings at all key frames show.
+struct Shown {
+    /// The domain of all quantities, with the poses that the readings show, by the readings' numbers.
+    domain: Domain,
+    /// The number of each reading's key frame, and how far the pose that it shows may be from that at the key frame.
+    displaced: BTreeMap<usize, (usize, Stray)>,
+}
 
-    /// The rows of the reading at the key frame.
-    fn rows(&self, domain: &Domain) -> Vec<Row> {
-        let Some(relations) = &self.relations else { return Vec::new() };
-        let displaced = self.displaced();
-        let mut rows = relations.rows(self.number, &domain.displaced(self.number, &displaced));
-        // The rows hold for the displaced pose, which is the sum of the pose and the displacement.
-        for row in &mut rows {
-            for axis in (0..3).filter(|&axis| displaced.of_axis(axis) > 0.0) {
-                match row.coefficient(Variable::Pose(self.number, axis)) {
-                    0.0 => {}
-                    coefficient => row.terms.push((Variable::Shift(self.number, axis), coefficient)),
-                }
+impl Shown {
+    fn new(frames: &KeyFrames, domain: &Domain) -> Shown {
+        let mut shown = Shown { domain: domain.clone(), displaced: BTreeMap::new() };
+        for frame in &frames.frames {
+            for reading in &frame.readings {
+                let displaced = reading.displaced();
+                shown.domain.displace(domain, [frame.number, reading.number], &displaced);
+                shown.displaced.insert(reading.number, (frame.number, displaced));
             }
         }
+        shown
+    }
+
+    /// The rows of a reading. They hold for the poses that readings show, which are the sums of the key frames' poses and the displacements.
+    fn rows(&self, reading: &FrameReading) -> Vec<Row> {
+        let mut rows = reading.relations.rows(reading.number, &self.domain);
+        for row in &mut rows {
+            let mut shifts = Vec::new();
+            for (variable, coefficient) in &mut row.terms {
+                if let Variable::Pose(number, axis) = *variable
+                    && let Some((frame, displaced)) = self.displaced.get(&number)
+                {
+                    if displaced.of_axis(axis) > 0.0 && *coefficient != 0.0 {
+                        shifts.push((Variable::Shift(number, axis), *coefficient));
+                    }
+                    *variable = Variable::Pose(*frame, axis);
+                }
+            }
+            row.terms.append(&mut shifts);
+        }
         rows
+    }
+}
+
+impl FrameReading {
+    /// Declared bounds with the parts that they make of the displacement along an axis of the pose that the reading shows.
+    fn shift_parts(&self, axis: usize) -> Vec<(Assumption, f64)> {
+        match axis {
+            2 => [self.relations.stamp_bound(), bounds::REACH_TURN_RATE].map(|one| (one, self.stray.radians)).to_vec(),
+            _ => self.relations.shift_parts(&self.stray),
+        }
     }
 }
 

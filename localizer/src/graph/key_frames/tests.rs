@@ -10,6 +10,24 @@ use crate::graph::{
 };
 
 #[test]
+fn a_key_frame_gives_way_only_to_one_that_shows_as_much() {
+    let stamps_of = |pushed: &[(f64, &'static str)]| {
+        let mut frames = KeyFrames::new(&robot());
+        for &(stamp_s, source) in pushed {
+            let reading = FrameReading::new(source, Arc::new(Displaced([0.0; 3])), OFF);
+            let pose = IntervalBox::from([Interval::centred(0.0, 0.1); 3]);
+            frames.push(stamp_s, pose, Some(reading).filter(|one| !one.source.is_empty()));
+        }
+        frames.frames.iter().map(|frame| frame.stamp_s).collect::<Vec<_>>()
+    };
+    assert_eq!(stamps_of(&[(0.0, "a"), (1.0, "a"), (2.0, "a"), (3.0, "a")]), [0.0, 2.0, 3.0]);
+    // The reading of `b` in the second key frame is the only one near.
+    assert_eq!(stamps_of(&[(0.0, "a"), (0.3, "b"), (1.0, "a"), (1.3, "b")]), [0.0, 0.3, 1.0, 1.3]);
+    assert_eq!(stamps_of(&[(0.0, "a"), (1.0, ""), (1.1, "a"), (2.7, "")]), [0.0, 1.1, 2.7]);
+    assert_eq!(stamps_of(&[(0.0, ""), (1.0, "a"), (2.0, "")]), [0.0, 1.0, 2.0]);
+}
+
+#[test]
 fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_what_adds_up() {
     for round in 0..6 {
         let mut draw = Draw::new(20_261_127 + round);
@@ -25,14 +43,15 @@ fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_wh
             // The heading is known to 10 mrad at each key frame, as by walls, the position to 1 mm at the first one and to 2 m at the others.
             let half_m = if at == 0 { 0.001 } else { 2.0 };
             let pose = [(0, half_m), (1, half_m), (2, 0.01)].map(|(axis, half)| around(truth[axis], half, &mut draw));
-            frames.push(stamp_s, IntervalBox::from(pose), Stray::default(), None);
-            if let Some([from_s, to_s]) = frames.span_before_latest_s() {
-                let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
-                let way = history.way(from_s, to_s, &wheels(), &reach()).filter(|_| round % 2 == 0);
-                frames.set_latest(way, flow.filter(|_| round % 3 < 2), Stray::default());
-            }
+            frames.push(stamp_s, IntervalBox::from(pose), None);
+            let Unlinked { number, stamp_s: to_s, before, .. } = frames.unlinked().unwrap();
+            let (way, flow) = before.map_or((None, None), |(from_s, heading)| {
+                let flow = history.flow_way(from_s, to_s, heading, &wheels(), &reach());
+                let way = history.way(from_s, to_s, &wheels(), &reach());
+                (way.filter(|_| round % 2 == 0), flow.filter(|_| round % 3 < 2))
+            });
+            frames.link(number, way, flow, &[]);
             assert!(frames.frames.len() <= MOST);
-            let number = frames.latest_number();
             let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
             let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);
             while !hull.advance() {}
@@ -44,7 +63,8 @@ fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_wh
                     truth[axis]
                 );
             }
-            frames.narrow_latest(&IntervalBox::from([bounds[0], bounds[1], bounds[2]]));
+            let narrower: Vec<_> = (0..3).map(|axis| (Variable::Pose(number, axis), bounds[axis])).collect();
+            frames.narrow(&narrower);
             widths_m.push(bounds[0].width().max(bounds[1].width()));
         }
         let last_m = widths_m[widths_m.len() - 1];
@@ -112,11 +132,12 @@ fn what_displaces_a_reading_displaces_neither_the_pose_nor_the_way() {
                 let (half_m, half_rad) = if at == 0 { (0.001, 0.001) } else { (0.1, 0.02) };
                 let pose = [half_m, half_m, half_rad];
                 let pose = IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], pose[axis])));
-                frames.push(stamp_s, pose, OFF, is_read.then(|| Arc::new(read) as _));
+                frames.push(stamp_s, pose, is_read.then(|| FrameReading::new("", Arc::new(read), OFF)));
+                let Unlinked { number, stamp_s: to_s, before, .. } = frames.unlinked().unwrap();
+                let flow =
+                    before.and_then(|(from_s, heading)| history.flow_way(from_s, to_s, heading, &wheels(), &reach()));
+                frames.link(number, None, flow, &[]);
             }
-            let [from_s, to_s] = frames.span_before_latest_s().unwrap();
-            let flow = history.flow_way(from_s, to_s, frames.heading_before_latest(), &wheels(), &reach());
-            frames.set_latest(None, flow, OFF);
             let number = frames.latest_number();
             let wanted = (0..3).map(|axis| Variable::Pose(number, axis)).collect();
             let mut hull = Hull::new(frames.related(&[]).unwrap(), wanted);

@@ -60,9 +60,34 @@ fn a_reading_at_a_key_frame_may_be_turned_by_what_the_gyroscope_reads_within_its
         localizer.wheels.push_rate(0.01 * f64::from(step), 1.0);
     }
     let stray = Stray::by_reach(STAMP_ERROR_S, &localizer.robot.reach);
-    localizer.graph.frames.push(0.505, pose, stray, Some(Arc::new(Compass)));
-    localizer.learn_way();
+    localizer.graph.frames.push(0.505, pose, Some(FrameReading::new("compass", Arc::new(Compass), stray)));
+    localizer.learn_ways();
     let number = localizer.graph.frames.latest_number();
     let turned = localizer.graph.frames.related(&[]).unwrap().domain.value(Variable::Shift(number, 2));
     assert!(turned.contains(0.01) && turned.contains(-0.01) && turned.hi() < 0.0101, "{turned}");
+}
+
+#[test]
+fn key_frames_that_are_made_while_another_is_worked_on_are_related_by_their_ways_too() {
+    let robot = RobotModel { gyro: Some(gyro(false)), flow: None, ..robot() };
+    let pose = PoseBox::from([Interval::centred(0.0, 0.1); 3]);
+    let map = Map::of_room([Interval::new(-5.0, 5.0); 2]);
+    let mut localizer = Localizer::new(map, robot, Vec::new(), pose);
+    for step in 0..=100_u32 {
+        let time_s = 0.01 * f64::from(step);
+        localizer.wheels.push(time_s, [0; 2]);
+        localizer.wheels.push_rate(time_s, 0.0);
+    }
+    for (stamp_s, source) in [(0.1, "first"), (0.4, "second"), (0.7, "third")] {
+        let reading = FrameReading::new(source, Arc::new(Compass), Stray::default());
+        localizer.graph.frames.push(stamp_s, pose, Some(reading));
+        localizer.graph.await_readings();
+    }
+    let related = localizer.related().unwrap();
+    assert!(localizer.graph.frames.unlinked().is_none());
+    // Beside the three rows of the readings there are those of both ways.
+    let of_way = |span_s: [f64; 2]| {
+        related.rows.iter().filter(|row| row.readings.iter().any(|readings| readings.span_s == span_s)).count()
+    };
+    assert!(of_way([0.1, 0.4]) > 0 && of_way([0.4, 0.7]) > 0, "{:?}", related.rows);
 }

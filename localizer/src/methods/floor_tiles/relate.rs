@@ -64,7 +64,8 @@ impl Joints {
         let stray = Stray::by_reach(geometry.camera.stamp_error_s, &geometry.robot.reach);
         let mut domain = Domain::of_constants(&geometry.robot);
         domain.put_pose(frame, pose);
-        let mut domain = domain.displaced(frame, &stray);
+        let at_stamp = domain.clone();
+        domain.displace(&at_stamp, [frame; 2], &stray);
         let tilt = Interval::centred(0.0, body_radius(geometry));
         (0..2).for_each(|axis| domain.put(Variable::BodyTilt(frame, axis), tilt));
         let name = |line: &Line| {

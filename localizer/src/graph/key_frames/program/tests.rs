@@ -6,7 +6,7 @@ use interval::IntervalBox;
 
 use super::{
     super::{
-        super::{Hull, Stray},
+        super::Hull,
         tests::{Displaced, OFF},
     },
     *,
@@ -65,13 +65,13 @@ fn bounds_after(
     history.push_rate(1.0, turn_rad);
     let mut frames = KeyFrames::new(robot);
     let begin = IntervalBox::from([0.0, 0.0, heading_rad].map(Interval::point));
-    frames.push_beside(0.0, begin, Stray::default(), None);
+    frames.push_beside(0.0, begin, None);
     let half = [0.01, 0.01, 0.001];
     let end = IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(end[axis], half[axis])));
-    frames.push_beside(1.0, end, Stray::default(), None);
+    frames.push_beside(1.0, end, None);
     let way = history.flow_way(0.0, 1.0, Interval::point(heading_rad), &wheels(), &reach);
     assert!(way.is_some());
-    frames.set_latest(None, way, Stray::default());
+    frames.link(frames.latest_number(), None, way, &[]);
     bounds_at_latest(&frames)
 }
 
@@ -97,10 +97,27 @@ fn a_reading_that_is_displaced_as_far_as_may_be_leaves_the_truth_in_the_bounds()
     // The robot is at the origin. A single reading, whose own error is at most 0.1 mm and 0.1 mrad, shows it 10 mm ahead and turned by 5 mrad.
     let mut frames = KeyFrames::new(&robot());
     let pose = IntervalBox::from([Interval::centred(0.0, 0.1); 3]);
-    frames.push(0.0, pose, OFF, Some(Arc::new(Displaced([OFF.metres, 0.0, OFF.radians]))));
+    frames.push(0.0, pose, Some(FrameReading::new("", Arc::new(Displaced([OFF.metres, 0.0, OFF.radians])), OFF)));
     let bounds = bounds_at_latest(&frames);
     for (axis, bound) in bounds.iter().enumerate() {
         assert!(bound.contains(0.0) && bound.width() < 2.0 * OFF.of_axis(axis) + 0.0003, "axis {axis}: {bound}");
+    }
+}
+
+#[test]
+fn two_readings_at_one_key_frame_are_displaced_each_by_its_own_error() {
+    // One reading shows the robot, which is at the origin, as far ahead and turned as may be, the other as far behind and turned back.
+    let reading = |sign: f64, source: &'static str| {
+        let shown = Displaced([sign * OFF.metres, 0.0, sign * OFF.radians]);
+        FrameReading::new(source, Arc::new(shown), OFF)
+    };
+    let mut frames = KeyFrames::new(&robot());
+    frames.push(0.0, IntervalBox::from([Interval::centred(0.0, 0.1); 3]), Some(reading(1.0, "first")));
+    assert!(!frames.join(0.0, reading(-1.0, "first")) && !frames.join(0.1, reading(-1.0, "second")));
+    assert!(frames.join(0.0, reading(-1.0, "second")));
+    let bounds = bounds_at_latest(&frames);
+    for axis in [0, 2] {
+        assert!(bounds[axis].contains(0.0) && bounds[axis].width() < 0.0005, "axis {axis}: {}", bounds[axis]);
     }
 }
 
@@ -134,9 +151,9 @@ fn a_bias_that_drifts_steadily_satisfies_the_row_of_two_ways_and_a_faster_one_do
     let mut history = WheelHistory::new(60.0);
     [0.0, 2.0, 6.0].iter().for_each(|&time_s| assert!(history.push(time_s, [0, 0])));
     for (at, stamp_s) in [0.0, 2.0, 6.0].into_iter().enumerate() {
-        frames.push_beside(stamp_s, IntervalBox::from([Interval::ZERO; 3]), Stray::default(), None);
+        frames.push_beside(stamp_s, IntervalBox::from([Interval::ZERO; 3]), None);
         let from_s = [0.0, 0.0, 2.0][at];
-        frames.set_latest(history.way(from_s, stamp_s, &wheels(), &reach()), None, Stray::default());
+        frames.link(frames.latest_number(), history.way(from_s, stamp_s, &wheels(), &reach()), None, &[]);
     }
     let domain = frames.domain(&[]);
     let [before, after] = [1, 2].map(Variable::GyroBias);
