@@ -9,7 +9,7 @@ use interval::{Interval, contractor::Contractor};
 use crate::{
     PoseUnion, Reading,
     bounds::Assumption,
-    graph::Relations,
+    graph::{Relations, Variable},
     map::SpacePoint,
     markers::{GridPlace, MarkerId},
     motion::{Motion, Twist},
@@ -93,6 +93,20 @@ pub trait Memory {
     /// depend on nothing learnt, or if it does not remember the reading.
     fn on_pose_again(&self, _stamp_s: f64) -> Option<OnPose> {
         None
+    }
+
+    /// What a reading relates, by what is known of its landmarks at the time of the call; `None` where the method does not remember the reading.
+    fn relations_again(&self, _stamp_s: f64) -> Option<Arc<dyn Relations>> {
+        None
+    }
+
+    /// Narrows what is known of the method's quantities by bounds that follow from readings up to the given stamp. Bounds of other quantities are passed
+    /// over.
+    fn narrow(&mut self, _bounds: &[(Variable, Interval)], _stamp_s: f64) {}
+
+    /// Whether key frames of the whole drive are to be kept, so that at its end everything is bounded by all of them.
+    fn keeps_drive(&self) -> bool {
+        false
     }
 
     /// Landmarks that have been learnt: code, and box of world x and y.

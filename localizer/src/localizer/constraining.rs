@@ -4,7 +4,6 @@ use interval::Interval;
 
 use crate::{
     Constraint, PoseUnion, Reading,
-    map::SpacePoint,
     method::{Context, Memory},
     reading::LandmarkId,
 };
@@ -91,11 +90,6 @@ impl Localizer {
     /// The landmarks that all methods have learnt.
     pub(super) fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.landmarks()).collect()
-    }
-
-    /// The landmarks in space that all methods know, from a map or learnt.
-    pub fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
-        self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.space_points()).collect()
     }
 
     /// Stores a constraint in a slot at its stamp, and recomputes all stored pose unions from there on. `prior` is the pose union at the stamp before

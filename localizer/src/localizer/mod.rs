@@ -14,6 +14,7 @@ mod misplaced;
 mod moves;
 mod naming;
 mod observed;
+mod post;
 mod predicting;
 mod relating;
 mod ring;
@@ -135,6 +136,9 @@ impl Localizer {
             at_rest: None,
             base_stamp_error_s: 0.0,
         };
+        if localizer.memories().any(|memory| memory.keeps_drive()) {
+            localizer.graph.frames.keep_all();
+        }
         localizer.begin_at(start);
         localizer
     }

@@ -10,7 +10,7 @@
 //! **Learning.** A window of images from different places is kept, each with the box of the pose that it shows. A linear program of all of them
 //! together bounds the poses and the landmarks, in which the constants of the camera have one value: what parallax tells. With every pass the boxes
 //! become narrower, so that rows that are made anew lose less. Boxes only ever shrink, except when what was learnt is taken back. Work on the window is
-//! spread over the images; to teach a map, images of the whole drive are kept, and the same programs are solved at its end, over and over.
+//! spread over the images. To teach a map, the key frames of the whole drive are kept, and the graph bounds all landmarks by them at its end.
 //!
 //! **Source.** Paper 4's sections 2 and 3, with relations in place of its boxes: the paper contracts boxes of poses and landmarks in a sliding window
 //! (DIGO). Its text has errors; the book's page on the five papers lists them.
@@ -22,10 +22,12 @@ mod relate;
 
 use std::{collections::VecDeque, sync::Arc};
 
+use interval::Interval;
+
 use crate::{
     PoseUnion, Reading, RobotModel,
     bounds::{self, Assumption},
-    graph::{PoseByRows, Stray},
+    graph::{PoseByRows, Relations, Stray, Variable},
     map::SpacePoint,
     method::{Constraint, Context, Memory, Method, MotionBetween, OnPose},
     reading::LandmarkId,
@@ -38,6 +40,8 @@ use relate::Points;
 
 /// Greatest number of landmarks of an image of which rows are made. Those whose direction from the robot is known best are taken.
 const MOST_RELATED: usize = 12;
+/// The same for an image of a drive that is over.
+const MOST_RELATED_AFTER: usize = 20;
 
 /// Declared bounds that a constraint from image points of landmarks relies on.
 const RELIES_ON: [Assumption; 13] = [
@@ -63,7 +67,7 @@ pub enum Learning {
     Never,
     /// It learns as it drives, from a window of the latest images.
     Drives,
-    /// It also keeps images of the whole drive, from which it makes a map at the end. Their number grows with the length of the drive.
+    /// It also keeps the images of the whole drive, by which all landmarks are bounded at its end. Their number grows with the length of the drive.
     Teaches,
 }
 
@@ -73,10 +77,10 @@ pub struct MappedLandmarks {
     stray: Stray,
     atlas: Atlas,
     /// Whether landmarks are learnt, beside those of the map.
-    learns: bool,
+    learning: Learning,
     /// Stamp and image points of the image for which a constraint was made last, until landmarks are learnt from it.
     latest: Option<(f64, Vec<SeenPoint>)>,
-    /// Image points of recent images, with their stamps, from which constraints can be made anew.
+    /// Image points of recent images, or of all images of the drive, with their stamps, from which constraints can be made anew.
     recent: VecDeque<(f64, Vec<SeenPoint>)>,
     contradicts: bool,
 }
@@ -95,22 +99,28 @@ impl MappedLandmarks {
         MappedLandmarks {
             stray: Stray::by_reach(camera.stamp_error_s, &robot.reach),
             optics: Arc::new(Optics::new(camera, robot.body)),
-            atlas: Atlas::of(map, learning == Learning::Teaches),
-            learns: learning != Learning::Never,
+            atlas: Atlas::of(map),
+            learning,
             latest: None,
             recent: VecDeque::new(),
             contradicts: false,
         }
     }
 
+    /// The image points of an image that is remembered.
+    fn seen_at(&self, stamp_s: f64) -> Option<&[SeenPoint]> {
+        let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
+        Some(seen)
+    }
+
     /// What the image points relate, as far as their landmarks are known.
-    fn related(&self, seen: &[SeenPoint]) -> Points {
+    fn related(&self, seen: &[SeenPoint], most: usize) -> Points {
         let known = |one: &SeenPoint| Some((one.landmark, self.atlas.point(one.landmark)?, one.at_px));
         let mut seen: Vec<_> = seen.iter().filter_map(known).collect();
         // The error of a direction is that of the slopes, and what the inverse depth makes for each metre that the robot is away from the anchor.
         let error = |point: &SpacePoint| point.value.iter().map(|one| one.width()).sum::<f64>();
         seen.sort_by(|(a, one, _), (b, other, _)| error(one).total_cmp(&error(other)).then(a.cmp(b)));
-        seen.truncate(MOST_RELATED);
+        seen.truncate(most);
         Points { optics: Arc::clone(&self.optics), seen }
     }
 }
@@ -127,10 +137,11 @@ impl Method for MappedLandmarks {
     fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
         let seen = SeenPoint::of(numbers)?;
-        let points = self.related(&seen);
-        if self.learns {
+        let points = self.related(&seen, MOST_RELATED);
+        if self.learning != Learning::Never {
             self.recent.push_back((*measured_s, seen.clone()));
-            self.recent.retain(|(stamp_s, _)| *stamp_s > measured_s - RECENT_S);
+            let keeps_all = self.keeps_drive();
+            self.recent.retain(|(stamp_s, _)| keeps_all || *stamp_s > measured_s - RECENT_S);
             self.latest = Some((*measured_s, seen));
         }
         let relations = Arc::new(points);
@@ -157,8 +168,20 @@ impl Method for MappedLandmarks {
 impl Memory for MappedLandmarks {
     /// The constraint of an image by what is known of its landmarks now: they may have been unlearnt since.
     fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
-        let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
-        Some(Box::new(PoseByRows { relations: Arc::new(self.related(seen)), stray: self.stray }))
+        let relations = Arc::new(self.related(self.seen_at(stamp_s)?, MOST_RELATED));
+        Some(Box::new(PoseByRows { relations, stray: self.stray }))
+    }
+
+    fn relations_again(&self, stamp_s: f64) -> Option<Arc<dyn Relations>> {
+        Some(Arc::new(self.related(self.seen_at(stamp_s)?, MOST_RELATED_AFTER)))
+    }
+
+    fn keeps_drive(&self) -> bool {
+        self.learning == Learning::Teaches
+    }
+
+    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+        self.atlas.narrow_points(bounds, stamp_s);
     }
 
     fn forget_since(&mut self, since_s: f64) {
@@ -184,7 +207,7 @@ impl Memory for MappedLandmarks {
     }
 
     /// Landmarks whose depth is bounded, seen from above.
-    fn landmarks(&self) -> Vec<(LandmarkId, [interval::Interval; 2])> {
+    fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
         let above = |(landmark, point): (LandmarkId, SpacePoint)| {
             let [x, y, _] = point.place_m()?;
             Some((landmark, [x, y]))
@@ -192,12 +215,13 @@ impl Memory for MappedLandmarks {
         self.atlas.points().filter_map(above).collect()
     }
 
-    /// None where the images of the whole drive contradict each other.
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
-        self.atlas.taught(&self.optics).unwrap_or_default()
+        self.atlas.points().collect()
     }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
+#[cfg(test)]
+pub(crate) mod trial;

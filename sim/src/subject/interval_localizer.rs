@@ -63,7 +63,7 @@ impl Subject for IntervalLocalizer {
         self.localizer.width_by_bound()
     }
 
-    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+    fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
         self.localizer.space_points()
     }
 

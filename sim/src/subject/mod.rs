@@ -80,7 +80,7 @@ pub trait Subject {
     }
 
     /// Landmarks in space that the subject knows, from a map or learnt, for a map file; a subject without any need not implement this.
-    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+    fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
         Vec::new()
     }
 

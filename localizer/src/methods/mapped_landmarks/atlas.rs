@@ -25,10 +25,6 @@ const APART_M: f64 = 0.3;
 const APART_RAD: f64 = 0.15;
 /// Number of coordinates, of poses or of landmarks, that are bounded after one image: work is spread over the images.
 const BOUNDED_AT_ONCE: usize = 6;
-/// Spacings, in images, of the programs of a taught map, one for each pass over all images of the drive; and the number of images from one program to
-/// the next. Images far apart tell the direction of the way between them by their positions, near ones show the most landmarks in common.
-const SPACINGS: [usize; 4] = [1, 3, 2, 4];
-const STRIDE: usize = 3;
 /// Least time between two earlier states of a landmark that are kept, and their greatest number.
 const FORMER_S: f64 = 1.0;
 const MOST_FORMER: usize = 8;
@@ -38,8 +34,6 @@ const MOST_FORMER: usize = 8;
 pub(super) struct Atlas {
     entries: BTreeMap<LandmarkId, Entry>,
     window: VecDeque<Image>,
-    /// Images of the whole drive, where a map is to be taught.
-    album: Option<Vec<Image>>,
     /// Number of coordinates that were bounded so far, by which all take turns.
     n_bounded: usize,
 }
@@ -74,13 +68,12 @@ enum Coordinate {
 }
 
 impl Atlas {
-    /// The atlas of a map's landmarks. To teach a map, images of the whole drive are kept.
-    pub(super) fn of(points: &[(LandmarkId, SpacePoint)], teaches: bool) -> Atlas {
+    /// The atlas of a map's landmarks.
+    pub(super) fn of(points: &[(LandmarkId, SpacePoint)]) -> Atlas {
         let entry = |&(landmark, point): &(LandmarkId, SpacePoint)| {
             (landmark, Entry { of_map: Some(point), ..Entry::new(point, f64::NEG_INFINITY) })
         };
-        let album = teaches.then(Vec::new);
-        Atlas { entries: points.iter().map(entry).collect(), album, ..Atlas::default() }
+        Atlas { entries: points.iter().map(entry).collect(), ..Atlas::default() }
     }
 
     /// What is known of a landmark.
@@ -106,14 +99,8 @@ impl Atlas {
                 self.entries.insert(one.landmark, Entry::new(point, stamp_s));
             }
         }
-        let image = || Image { stamp_s, pose: *pose, seen: seen.to_vec() };
-        if let Some(album) = &mut self.album
-            && album.last().is_none_or(|last| is_apart(&last.pose, pose))
-        {
-            album.push(image());
-        }
         if self.window.iter().all(|image| is_apart(&image.pose, pose)) {
-            self.window.push_back(image());
+            self.window.push_back(Image { stamp_s, pose: *pose, seen: seen.to_vec() });
             if self.window.len() > MOST_IMAGES {
                 self.window.pop_front();
             }
@@ -126,24 +113,6 @@ impl Atlas {
             self.n_bounded += n_bounded;
         }
         agrees
-    }
-
-    /// The landmarks by all images of the album: a program of each few images that follow each other, over and over. What is known now is the answer
-    /// where no album was kept; `None` where its images contradict each other, so that some declared bound was broken.
-    pub(super) fn taught(&self, optics: &Arc<Optics>) -> Option<Vec<(LandmarkId, SpacePoint)>> {
-        let mut atlas = self.clone();
-        let mut album = atlas.album.take().unwrap_or_default();
-        for spacing in SPACINGS {
-            for first in (0..album.len()).step_by(STRIDE) {
-                let places: Vec<usize> = (first..album.len()).step_by(spacing).take(MOST_IMAGES).collect();
-                let mut window: Vec<Image> = places.iter().map(|&at| album[at].clone()).collect();
-                atlas.narrow(&mut window, 0, usize::MAX, optics)?;
-                for (at, image) in places.into_iter().zip(window) {
-                    album[at].pose = image.pose;
-                }
-            }
-        }
-        Some(atlas.points().collect())
     }
 
     /// Bounds at most so many coordinates of the images' poses and of the landmarks that they show, from the given one on in turn. Returns how many
@@ -186,6 +155,17 @@ impl Atlas {
         Some(turn.len())
     }
 
+    /// Narrows landmarks by bounds that follow from images up to a stamp.
+    pub(super) fn narrow_points(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+        for &(variable, bound) in bounds {
+            if let Variable::Point(landmark, k) = variable
+                && let Some(entry) = self.entries.get_mut(&landmark)
+            {
+                entry.narrow(k, bound, stamp_s);
+            }
+        }
+    }
+
     /// The landmarks that at least two images show, those that most show first where there are too many; in the order of their numbers.
     fn related(&self, window: &[Image]) -> Vec<LandmarkId> {
         let mut shown: BTreeMap<LandmarkId, usize> = BTreeMap::new();
@@ -208,7 +188,6 @@ impl Atlas {
     pub(super) fn forget_since(&mut self, since_s: f64) {
         // The poses of the window follow from each other.
         self.window.clear();
-        self.album.iter_mut().for_each(|album| album.retain(|image| image.stamp_s <= since_s));
         self.entries.retain(|_, entry| {
             if entry.since_s <= since_s {
                 return true;
@@ -226,7 +205,6 @@ impl Atlas {
     /// Makes all that is known the knowledge with which a new drive begins.
     pub(super) fn begin_anew(&mut self) {
         self.window.clear();
-        self.album.iter_mut().for_each(Vec::clear);
         for entry in self.entries.values_mut() {
             *entry = Entry { of_map: Some(entry.point), ..Entry::new(entry.point, f64::NEG_INFINITY) };
         }

@@ -1,0 +1,234 @@
+//! Tests of post-localization on drives whose poses are known.
+
+use std::{
+    f64::consts::TAU,
+    sync::{Arc, Mutex},
+};
+
+use interval::{IntervalBox, contractor::Contractor};
+
+use super::*;
+use crate::{
+    Constraint, PoseBox, PoseUnion, Reading, RobotModel,
+    bounds::{self, Assumption},
+    graph::{
+        Domain, FrameReading, Relations, Row, Stray,
+        trial::{Draw, Drive, robot, rounds},
+    },
+    map::Map,
+    method::{Context, Memory, Method},
+    methods::mapped_landmarks::{
+        Learning, MappedLandmarks,
+        trial::{True, boxed, homogeneous, is_within, look, reading, walls},
+    },
+};
+
+/// Greatest error of a position that [`Fix`] tells.
+const FIX_M: f64 = 0.01;
+
+/// A reading that shows a position without a displacement.
+struct Fix([f64; 2]);
+
+impl Relations for Fix {
+    fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        Vec::new()
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        0.0
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        bounds::GNSS_STAMP
+    }
+
+    fn shift_m(&self, _stray: &Stray) -> f64 {
+        0.0
+    }
+
+    fn shift_parts(&self, _stray: &Stray) -> Vec<(Assumption, f64)> {
+        Vec::new()
+    }
+
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
+        let row = |axis: usize| {
+            let variable = Variable::Pose(frame, axis);
+            let sides = Interval::centred(self.0[axis], FIX_M) - Interval::point(domain.reference(variable));
+            Row::new(domain, &[(variable, Interval::ONE)], sides)
+        };
+        vec![row(0), row(1)]
+    }
+}
+
+/// A method that keeps the whole drive, knows every position again, and counts the bounds that it is told.
+#[derive(Clone, Default)]
+struct Keeper {
+    fixes: Arc<Vec<(f64, [f64; 2])>>,
+    n_told: Arc<Mutex<usize>>,
+}
+
+impl Method for Keeper {
+    fn name(&self) -> &'static str {
+        "keeper"
+    }
+
+    fn reads(&self, _reading: &Reading) -> bool {
+        false
+    }
+
+    fn constrain(&mut self, _reading: &Reading, _context: &Context) -> Option<Constraint> {
+        None
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for Keeper {
+    fn forget_since(&mut self, _since_s: f64) {}
+
+    fn clock_set_back(&mut self) {}
+
+    fn keeps_drive(&self) -> bool {
+        true
+    }
+
+    fn relations_again(&self, stamp_s: f64) -> Option<Arc<dyn Relations>> {
+        let (_, at_m) = self.fixes.iter().find(|(fix_s, _)| *fix_s == stamp_s)?;
+        Some(Arc::new(Fix(*at_m)))
+    }
+
+    fn narrow(&mut self, bounds: &[(Variable, Interval)], _stamp_s: f64) {
+        *self.n_told.lock().unwrap() += bounds.len();
+    }
+}
+
+/// The localizer after a drive with a key frame at each of 60 stamps, at which the pose is known to 5 cm and 50 mrad, and with a position at each that
+/// is displaced by `off_m` from a position that would be told without that.
+fn after(draw: &mut Draw, off_m: f64) -> (Localizer, Keeper, Vec<[f64; 3]>) {
+    let drive = Drive::new(draw, true, 60.0, 60);
+    let fix = |truth: &[f64; 3], draw: &mut Draw| {
+        [0, 1].map(|axis| truth[axis] + off_m + draw.within(Interval::centred(0.0, FIX_M)))
+    };
+    let fixes = drive.stamps_s.iter().zip(&drive.poses).map(|(&stamp_s, truth)| (stamp_s, fix(truth, draw))).collect();
+    let keeper = Keeper { fixes: Arc::new(fixes), ..Keeper::default() };
+    let (map, start) = (Map::of_room([Interval::new(-99.0, 99.0); 2]), PoseBox::from([Interval::ZERO; 3]));
+    let mut localizer = Localizer::new(map, robot(), vec![Box::new(keeper.clone())], start);
+    localizer.wheels = drive.history(true);
+    for (&stamp_s, truth) in drive.stamps_s.iter().zip(&drive.poses) {
+        let half = [0.05, 0.05, 0.05];
+        let pose = [0, 1, 2].map(|axis| {
+            let off = draw.within(Interval::centred(0.0, half[axis]));
+            Interval::centred(truth[axis] + off, half[axis] * (1.0 + 1e-9))
+        });
+        // What the reading told when it was read says nothing any more: it is made anew.
+        let reading = FrameReading::new("keeper", Arc::new(Fix([f64::NAN; 2])), Stray::default());
+        localizer.graph.frames.push(stamp_s, IntervalBox::from(pose), Some(reading));
+    }
+    (localizer, keeper, drive.poses)
+}
+
+#[test]
+fn the_poses_of_a_whole_drive_are_bounded_by_what_came_after_them_and_hold_the_truth() {
+    let mut draw = Draw::new(20_261_126);
+    for round in 0..4 {
+        let (mut localizer, keeper, truth) = after(&mut draw, 0.0);
+        // No key frame was dropped, although they are near each other and many.
+        assert_eq!(localizer.graph.frames.n_frames(), 60);
+        localizer.space_points();
+        let poses: Vec<PoseBox> = localizer.graph.frames.poses().collect();
+        for (at, (pose, truth)) in poses.iter().zip(&truth).enumerate() {
+            for axis in 0..3 {
+                let holds = pose[axis].inflate(1e-9).contains(truth[axis]);
+                assert!(holds, "round {round}, key frame {at}, axis {axis}: {} {}", truth[axis], pose[axis]);
+            }
+            assert!(
+                pose[0].width() < 2.001 * FIX_M && pose[1].width() < 2.001 * FIX_M,
+                "round {round}, {at}: {pose:?}"
+            );
+        }
+        // Two positions a second apart tell the direction between them to 2 cm in half a metre; those of the window tell it far better.
+        let widest = poses.iter().map(|pose| pose[2].width()).fold(0.0, f64::max);
+        assert!(widest < 0.05, "round {round}: {widest}");
+        assert!(*keeper.n_told.lock().unwrap() >= PASSES * 3 * 60);
+    }
+}
+
+#[test]
+fn a_drive_whose_readings_contradict_each_other_leaves_no_landmarks() {
+    let mut draw = Draw::new(20_261_127);
+    let (mut localizer, _, _) = after(&mut draw, 0.2);
+    assert!(!localizer.post_localize());
+}
+
+#[test]
+fn a_drive_at_known_poses_teaches_a_map_that_holds_every_landmark_and_later_localizes() {
+    let mut draw = Draw::new(20_261_128);
+    let (mut volumes, mut widths) = (Vec::new(), Vec::new());
+    for round in 0..rounds(1) {
+        let truth = True::new(&mut draw, 0.2);
+        let landmarks = walls(&mut draw, 60);
+        let robot = RobotModel { body: truth.body, ..robot() };
+        let mut method = MappedLandmarks::new(truth.camera, &robot, &[], Learning::Teaches);
+        let mut frames = Vec::new();
+        for step in 0..150 {
+            let along = f64::from(step) * TAU / 150.0;
+            let place_m = [2.0 * along.cos(), 2.0 * along.sin()];
+            let at = truth.turned(&mut draw, place_m, along + 0.25 * TAU);
+            let known = boxed(&mut draw, at.pose, [0.01, 0.01, 0.02]);
+            let seen = look(&truth, &mut draw, &at, &landmarks);
+            let known = PoseUnion::single(known);
+            let mut posterior = known.branches[0];
+            let constraint = method.constrain(&reading(f64::from(step), &seen), &Context::at_rest(&known)).unwrap();
+            constraint.on_pose.contract(&mut posterior);
+            assert!(is_within(at.pose, &posterior), "round {round}, step {step}: {posterior:?} {:?}", at.pose);
+            method.learn(&PoseUnion::single(posterior), &|_, _| None);
+            assert!(!method.take_contradiction(), "round {round}, step {step}");
+            if let Some(relations) = constraint.relations.filter(|_| step % 7 == 0) {
+                frames.push((f64::from(step), posterior, relations));
+            }
+        }
+        let room = Map::of_room([Interval::new(-5.0, 5.0); 2]);
+        let mut localizer = Localizer::new(room, robot.clone(), vec![Box::new(method)], frames[0].1);
+        for (stamp_s, pose, relations) in frames {
+            let reading = FrameReading::new("mapped_landmarks", relations, Stray::default());
+            localizer.graph.frames.push(stamp_s, pose, Some(reading));
+        }
+        let taught = localizer.space_points();
+        for (landmark, point) in &taught {
+            let expected = homogeneous(&point.anchor, landmarks[landmark.0 as usize]);
+            assert!((0..3).all(|k| point.value[k].inflate(1e-12).contains(expected[k])), "round {round}: {landmark:?}");
+        }
+        let places: Vec<_> = taught.iter().map(|(_, point)| point.place_m()).collect();
+        assert!(places.len() > 40, "{}", places.len());
+        volumes.extend(
+            places.iter().map(|place| {
+                place.map_or(f64::INFINITY, |sides| sides.iter().map(|side| side.width()).product::<f64>())
+            }),
+        );
+        // Later, from other places, at poses that are hardly known.
+        let mut later = MappedLandmarks::new(truth.camera, &robot, &taught, Learning::Never);
+        for step in 0..40 {
+            let at_m = [0; 2].map(|_| draw.between(-2.5, 2.5));
+            let at = truth.at(&mut draw, at_m[0], at_m[1]);
+            let seen = look(&truth, &mut draw, &at, &landmarks);
+            let mut pose = boxed(&mut draw, at.pose, [0.15, 0.15, 0.05]);
+            let before = PoseUnion::single(pose);
+            let constraint = later.constrain(&reading(f64::from(step), &seen), &Context::at_rest(&before)).unwrap();
+            constraint.on_pose.contract(&mut pose);
+            assert!(is_within(at.pose, &pose), "round {round}, step {step}: {pose:?} {:?}", at.pose);
+            if seen.len() >= 6 {
+                widths.push(pose[0].width().max(pose[1].width()));
+            }
+        }
+    }
+    volumes.sort_by(f64::total_cmp);
+    widths.sort_by(f64::total_cmp);
+    let (volume, width) = (volumes[volumes.len() / 2], widths[widths.len() / 2]);
+    assert!(volume < 0.02 && width < 0.25, "{volume} m³, {width} m of {}", widths.len());
+}
