@@ -1,5 +1,6 @@
 //! Key frames of a drive, and the linear program that relates them.
 
+mod late;
 mod program;
 
 use std::{borrow::Cow, collections::VecDeque, sync::Arc};
@@ -52,7 +53,7 @@ pub struct FrameReading {
     /// What the reading relates.
     pub relations: Arc<dyn Relations>,
     /// How far the robot can have gone between the reading's stamp and its true instant.
-    pub stray: Stray,
+    stray: Stray,
     /// Number by which the reading's own quantities are told apart from those of all other readings. The first reading of a key frame has the key
     /// frame's number.
     number: usize,
@@ -239,7 +240,7 @@ impl KeyFrames {
         let Some(at) = self.frames.iter().position(|frame| frame.number == number) else { return };
         let is_told = at > 0 && (way.is_some() || flow.is_some());
         if is_told {
-            let place = flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])));
+            let place = places(&flow);
             let before = &mut self.frames[at - 1];
             let shares_error = place.is_some_and(|[first, _]| *before.place.get_or_insert(first) == first);
             let scale_change = self.flow_scale_change;
@@ -253,58 +254,6 @@ impl KeyFrames {
             // Nothing relates the key frames before to this one.
             self.frames.drain(..at);
         }
-    }
-
-    /// The gap between two key frames into which a late reading with the given stamp fits: at least `apart_s` from any other reading of its source, and
-    /// before the latest key frame.
-    pub fn gap_for(&self, stamp_s: f64, source: &str, apart_s: f64) -> Option<Gap> {
-        let at = self.frames.iter().position(|frame| frame.stamp_s > stamp_s).filter(|&at| at > 0)?;
-        let is_near = |frame: &KeyFrame| frame.has(source) && (frame.stamp_s - stamp_s).abs() < apart_s;
-        let [before, after] = [&self.frames[at - 1], &self.frames[at]];
-        let is_free = !self.frames.iter().any(is_near) && before.stamp_s < stamp_s && after.link.is_some();
-        is_free.then_some(Gap { at, span_s: [before.stamp_s, after.stamp_s], heading: before.pose[2] })
-    }
-
-    /// Adds a key frame for a late reading between two others, with the ways to it and on from it. Returns whether it was added: the ways have to
-    /// tell the motion as fully as the way between the two others did.
-    pub fn insert(
-        &mut self,
-        gap: &Gap,
-        stamp_s: f64,
-        pose: PoseBox,
-        reading: FrameReading,
-        [first, second]: [Ways; 2],
-    ) -> bool {
-        let [before, after] = [&self.frames[gap.at - 1], &self.frames[gap.at]];
-        let place = |flow: &Option<FlowWay>| {
-            flow.as_ref().map(|flow| [0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])))
-        };
-        let [to, on] = [place(&first.1), place(&second.1)];
-        let had = after.link.as_ref().map(Link::tells);
-        let tells = |(way, flow): &Ways| [flow.is_some(), way.is_some()];
-        let keeps_places = to.is_none_or(|[first, _]| before.place.is_none_or(|place| place == first))
-            && on.map(|[_, last]| last) == after.place;
-        if !keeps_places || had.is_none_or(|had| [&first, &second].iter().any(|ways| had != tells(ways))) {
-            return false;
-        }
-        let number = self.new_number();
-        let scale_change = self.flow_scale_change;
-        let link =
-            |(way, flow): Ways, shares_error: bool| Some(Link::Read(Read { way, flow, shares_error, scale_change }));
-        if let (Some([first, _]), None) = (to, self.frames[gap.at - 1].place) {
-            self.frames[gap.at - 1].place = Some(first);
-        }
-        let shares_error = to.zip(on).is_some_and(|([_, last], [first, _])| last == first);
-        self.frames[gap.at].link = link(second, shares_error);
-        let place = to.map(|[_, last]| last);
-        let readings = vec![FrameReading { number, ..reading }];
-        let link = link(first, to.is_some());
-        let frame = KeyFrame { number, stamp_s, pose, label: None, link, readings, is_linked: true, place };
-        self.frames.insert(gap.at, frame);
-        if self.frames.len() > MOST && !self.keeps_all {
-            self.drop_one();
-        }
-        true
     }
 
     /// Stamp of the key frame with the given number.
@@ -347,17 +296,6 @@ impl KeyFrames {
 /// The ways between two stamps: by the wheels with the gyroscope, and by the flow sensor with the gyroscope.
 pub type Ways = (Option<Way>, Option<FlowWay>);
 
-/// A place between two key frames.
-#[derive(Clone, Copy, Debug)]
-pub struct Gap {
-    /// Index of the key frame after the gap.
-    at: usize,
-    /// Stamps of the key frames before and after it.
-    pub span_s: [f64; 2],
-    /// Headings at the key frame before it.
-    pub heading: Interval,
-}
-
 /// A key frame whose way from the key frame before has not been asked for.
 #[derive(Clone, Debug)]
 pub struct Unlinked {
@@ -388,6 +326,12 @@ impl KeyFrame {
     fn has(&self, source: &str) -> bool {
         self.readings.iter().any(|one| one.source == source)
     }
+}
+
+/// The errors of the flow sensor's places at both ends of a way by its counts, each with the stamps of the readings that the counts are of.
+fn places(flow: &Option<FlowWay>) -> Option<[(f64, [f64; 2]); 2]> {
+    let flow = flow.as_ref()?;
+    Some([0, 1].map(|end| (flow.end_error_m[end], flow.end_readings_s[end])))
 }
 
 /// The tilts of the cameras' mounts, which are within discs.

@@ -230,5 +230,5 @@ fn a_drive_at_known_poses_teaches_a_map_that_holds_every_landmark_and_later_loca
     volumes.sort_by(f64::total_cmp);
     widths.sort_by(f64::total_cmp);
     let (volume, width) = (volumes[volumes.len() / 2], widths[widths.len() / 2]);
-    assert!(volume < 0.02 && width < 0.25, "{volume} m³, {width} m of {}", widths.len());
+    assert!(volume < 0.01 && width < 0.25, "{volume} m³, {width} m of {}", widths.len());
 }

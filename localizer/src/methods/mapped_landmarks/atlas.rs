@@ -58,15 +58,6 @@ struct Image {
     seen: Vec<SeenPoint>,
 }
 
-/// A coordinate that the window's program bounds.
-#[derive(Clone, Copy, Debug)]
-enum Coordinate {
-    /// Coordinate of the pose of an image, given by its place in the window.
-    Pose(usize, usize),
-    /// Coordinate of a landmark.
-    Point(LandmarkId, usize),
-}
-
 impl Atlas {
     /// The atlas of a map's landmarks.
     pub(super) fn of(points: &[(LandmarkId, SpacePoint)]) -> Atlas {
@@ -106,7 +97,7 @@ impl Atlas {
             }
         }
         let mut window = std::mem::take(&mut self.window);
-        let n_bounded = self.narrow(window.make_contiguous(), self.n_bounded, BOUNDED_AT_ONCE, optics);
+        let n_bounded = self.narrow(window.make_contiguous(), optics);
         let agrees = n_bounded.is_some();
         if let Some(n_bounded) = n_bounded {
             self.window = window;
@@ -115,18 +106,19 @@ impl Atlas {
         agrees
     }
 
-    /// Bounds at most so many coordinates of the images' poses and of the landmarks that they show, from the given one on in turn. Returns how many
-    /// were bounded; `None` where no values are left, and then nothing has changed.
-    fn narrow(&mut self, window: &mut [Image], first: usize, most: usize, optics: &Arc<Optics>) -> Option<usize> {
+    /// Bounds some coordinates of the images' poses and of the landmarks that they show, whose turn it is. Returns how many were bounded; `None` where
+    /// no values are left, and then nothing has changed.
+    fn narrow(&mut self, window: &mut [Image], optics: &Arc<Optics>) -> Option<usize> {
         let landmarks = self.related(window);
         let newest_s = window.iter().map(|image| image.stamp_s).fold(f64::NEG_INFINITY, f64::max);
         if landmarks.is_empty() {
             return Some(0);
         }
-        let poses = (0..window.len()).flat_map(|image| (0..3).map(move |axis| Coordinate::Pose(image, axis)));
-        let points = landmarks.iter().flat_map(|&landmark| (0..3).map(move |k| Coordinate::Point(landmark, k)));
-        let all: Vec<Coordinate> = poses.chain(points).collect();
-        let turn: Vec<Coordinate> = (0..most.min(all.len())).map(|at| all[(first + at) % all.len()]).collect();
+        let poses = (0..window.len()).flat_map(|image| (0..3).map(move |axis| Variable::Pose(image, axis)));
+        let points = landmarks.iter().flat_map(|&landmark| (0..3).map(move |k| Variable::Point(landmark, k)));
+        let all: Vec<Variable> = poses.chain(points).collect();
+        let n_wanted = BOUNDED_AT_ONCE.min(all.len());
+        let wanted: Vec<Variable> = (0..n_wanted).map(|at| all[(self.n_bounded + at) % all.len()]).collect();
         let images: Vec<(PoseBox, Points)> = window
             .iter()
             .map(|image| {
@@ -137,22 +129,16 @@ impl Atlas {
             .collect();
         let readings: Vec<(PoseBox, &dyn Relations)> =
             images.iter().map(|(pose, points)| (*pose, points as &dyn Relations)).collect();
-        let wanted: Vec<Variable> = turn.iter().map(|coordinate| coordinate.variable()).collect();
         let bounds = bounds_over(&readings, &wanted)?;
-        for (&coordinate, &bound) in turn.iter().zip(&bounds) {
-            match coordinate {
-                Coordinate::Pose(image, axis) => {
-                    let pose = &mut window[image].pose;
-                    pose[axis] = pose[axis].intersect(bound);
-                }
-                Coordinate::Point(landmark, k) => {
-                    if let Some(entry) = self.entries.get_mut(&landmark) {
-                        entry.narrow(k, bound, newest_s);
-                    }
-                }
+        let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
+        for &(variable, bound) in &bounds {
+            if let Variable::Pose(image, axis) = variable {
+                let pose = &mut window[image].pose;
+                pose[axis] = pose[axis].intersect(bound);
             }
         }
-        Some(turn.len())
+        self.narrow_points(&bounds, newest_s);
+        Some(n_wanted)
     }
 
     /// Narrows landmarks by bounds that follow from images up to a stamp.
@@ -207,16 +193,6 @@ impl Atlas {
         self.window.clear();
         for entry in self.entries.values_mut() {
             *entry = Entry { of_map: Some(entry.point), ..Entry::new(entry.point, f64::NEG_INFINITY) };
-        }
-    }
-}
-
-impl Coordinate {
-    /// The coordinate as a quantity of the window's program.
-    fn variable(self) -> Variable {
-        match self {
-            Coordinate::Pose(image, axis) => Variable::Pose(image, axis),
-            Coordinate::Point(landmark, k) => Variable::Point(landmark, k),
         }
     }
 }
