@@ -101,6 +101,7 @@ fn a_process_that_misbehaves_fails_the_run_and_names_time_and_reading() {
         assert_eq!(poses(&run).len(), number as usize - 1, "{command}");
         assert_eq!(summary["verdict"]["passed"], false, "{command}");
         assert!(said.contains(told) && said.contains("the subject failed at 0.0"), "{command}: {said}");
+        assert!(said.contains(&format!(" --subject-timeout-s {limit_s} --seed 0 ")), "{command}: {said}");
         let left: Vec<_> =
             fs::read_dir(run.parent().unwrap()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, ["0"], "{command}");

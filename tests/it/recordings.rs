@@ -152,6 +152,35 @@ fn a_replay_of_images_in_the_dark_gives_the_same_headings() {
 }
 
 #[test]
+fn a_recording_is_replayed_through_the_localizer_that_the_user_names() {
+    let place = folder("replay_subject");
+    let changed = ["duration_s = 20.0", "duration_s = 1.0"];
+    let run = recorded(&place, "tiles.toml", changed, &["--record", "--subject", "ekf"]);
+    let recording = run.join("recording.mcap");
+    let replay = |subject: &str| {
+        replayed(&place, &[recording.to_str().unwrap(), "--subject", subject, "--out", &format!("by {subject}")])
+    };
+    let (code, output, errors) = replay("ekf");
+    assert!(code == 0 && output.contains("equal to the recorded ones bit for bit"), "{output}{errors}");
+    let answers = |subject: &str| fs::read(place.join(format!("by {subject}")).join("estimate.tum")).unwrap();
+    assert_eq!(answers("ekf"), fs::read(run.join("estimate.tum")).unwrap());
+    for subject in ["ekf,motion=2", "particles", "intervals"] {
+        let (code, output, errors) = replay(subject);
+        let told = format!("estimates of {subject}, on the readings of a drive that tested ekf\n");
+        assert!(code == 0 && output.contains(&told), "{output}{errors}");
+        assert_ne!(answers(subject), answers("ekf"), "{subject}");
+    }
+    // The filter's pose is in the boxes of the same readings.
+    let boxes = rows(&place.join("by intervals/boxes.csv"), 1);
+    let last = boxes.last().unwrap();
+    let pose = rows(&run.join("estimate.tum"), 0).pop().unwrap();
+    assert!((last[3]..=last[4]).contains(&pose[1]) && (last[5]..=last[6]).contains(&pose[2]), "{pose:?} {last:?}");
+
+    let (code, output, errors) = replay("exit 3");
+    assert!(code == 1 && output.contains("the subject failed at 0.00 s"), "{output}{errors}");
+}
+
+#[test]
 fn a_replay_of_a_doubt_gives_the_same_recovery() {
     let place = folder("replay_doubt");
     let run = recorded(&place, "broken/push_25cm.toml", ["duration_s = 30.0", "duration_s = 10.0"], &["--record"]);

@@ -17,7 +17,7 @@ use crate::{
     },
     loading::upgraded,
     scene::{Scene, SceneError},
-    subject::{Answer, IntervalLocalizer, Subject},
+    subject::{Failure, Subject, SubjectChoice, subject},
 };
 
 /// Reason why a recording cannot be replayed. The error's text is phrased to follow "failed to".
@@ -58,6 +58,10 @@ pub struct Replay {
     pub first_different_s: Option<f64>,
     /// The digest `digest.estimates` of the recorded run.
     pub recorded_digest: String,
+    /// Name of the localizer of the recorded run; empty in recordings of versions that did not tell it.
+    pub recorded_subject: String,
+    /// Why the localizer could not go on, if it could not: the replay ends there.
+    pub failure: Option<Failure>,
 }
 
 impl Replay {
@@ -67,11 +71,13 @@ impl Replay {
     }
 }
 
-/// Replays a recording with the localizer that the recorded scene asks for, or with that of the scene `other` if given.
-pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError> {
+/// Replays a recording with the localizer `choice`, set up by the recorded scene or by the scene `other` if given. Whatever the localizer answers, the
+/// readings stay those of the recorded drive.
+pub fn replay(path: &Path, other: Option<&Scene>, choice: &SubjectChoice) -> Result<Replay, ReplayError> {
     let mut replayer = Replayer {
         path,
-        subject: other.map(|scene| (scene.clone(), IntervalLocalizer::of(scene))),
+        choice,
+        subject: other.map(|scene| (scene.clone(), subject(choice, scene))),
         stamp: None,
         offset_s: 0.0,
         found: Replay::default(),
@@ -82,8 +88,9 @@ pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError>
 
 struct Replayer<'a> {
     path: &'a Path,
+    choice: &'a SubjectChoice,
     /// The localizer, and the scene from which it was built.
-    subject: Option<(Scene, IntervalLocalizer)>,
+    subject: Option<(Scene, Box<dyn Subject>)>,
     /// Stamp of the image whose pixels come next in the recording.
     stamp: Option<ImageStamp>,
     offset_s: f64,
@@ -103,10 +110,11 @@ impl Replayer<'_> {
                     if let Some(map) = setup.map.filter(|_| setup.known.is_none()) {
                         return Err(ReplayError::NoMap { path: self.path.to_owned(), map });
                     }
-                    let localizer = IntervalLocalizer::of(&scene);
+                    let localizer = subject(self.choice, &scene);
                     self.subject = Some((scene, localizer));
                 }
             }
+            Part::Message { .. } if self.found.failure.is_some() => {}
             Part::Message { topic, message } => self.take(topic, message).ok_or_else(|| {
                 let (path, topic) = (self.path.to_owned(), topic.to_owned());
                 RecordingError::Message { path, topic }
@@ -116,6 +124,7 @@ impl Replayer<'_> {
                 self.found.scene = fact("scene");
                 self.found.seed = fact("seed");
                 self.found.recorded_digest = fact("digest.estimates");
+                self.found.recorded_subject = fact("subject");
             }
         }
         Ok(())
@@ -140,9 +149,13 @@ impl Replayer<'_> {
             }
             exact::ESTIMATE => {
                 let recorded = RecordedEstimate::decode(message)?;
-                let Answer::Boxes(mut estimate) = localizer.estimate_at(recorded.time_s - self.offset_s) else {
-                    return None;
-                };
+                let time_s = recorded.time_s - self.offset_s;
+                let answer = localizer.estimate_at(time_s);
+                if let Some(failure) = localizer.failure() {
+                    self.found.failure = Some(failure.clone().begin_later(self.offset_s));
+                    return Some(());
+                }
+                let mut estimate = answer.into_estimate(time_s);
                 estimate.time_s += self.offset_s;
                 // Encoded bytes are compared instead of numbers, because −0 equals 0 and NaN does not equal itself.
                 if RecordedEstimate::of(&estimate).encode() != message {

@@ -1,4 +1,4 @@
-//! `wherein replay`: runs the localizer on a recording again, or a localizer on a log that another program recorded.
+//! `wherein replay`: runs a localizer on the readings of a recording, or of a log that another program recorded.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -35,23 +35,37 @@ pub(super) struct ReplayArguments {
 }
 
 const REPLAY_AFTER_HELP: &str = "\
-Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.
+Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not or the localizer failed, 2 could not replay. With --scene, or with a
+--subject that is not the recorded one, estimates may differ; what they are worth says `wherein judge` for the estimate.tum or boxes.csv in --out.
 
 With --robot: 0 nothing speaks against what is declared, 1 a true pose was outside of the boxes, a declared bound was exceeded, readings
 contradicted each other, or a limit of [expect] was not kept, 2 could not replay. Messages that cannot be used are dropped and reported
 with topic and time. --subject chooses the localizer that is given the log.";
 
-/// Replays a recording and prints whether the localizer's estimates are equal to the recorded ones.
+/// Replays a recording, and prints whether the localizer's estimates are equal to the recorded ones where the recorded run tested the same localizer.
 pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, CommandError> {
     if let Some(robot) = &arguments.robot {
         return replay_foreign(arguments, &SceneFile::load(robot)?);
     }
     let other = arguments.scene.as_deref().map(Scene::load).transpose()?;
-    let found = replay(&arguments.recording, other.as_ref())?;
+    let choice = arguments.tested.choice();
+    let found = replay(&arguments.recording, other.as_ref(), &choice)?;
     if let Some(folder) = &arguments.out {
         run_files::write_estimates(folder, &found.estimates)?;
     }
-    let n_estimates = found.estimates.len();
+    let (run, n_estimates) = (format!("{} seed {}", found.scene, found.seed), found.estimates.len());
+    if let Some(failure) = &found.failure {
+        print(&format!("{run}: {n_estimates} estimates of {choice}, then {failure}\n"))?;
+        return Ok(ExitCode::FAILURE);
+    }
+    let recorded = &found.recorded_subject;
+    if !recorded.is_empty() && *recorded != choice.to_string() {
+        print(&format!(
+            "{run}: {n_estimates} estimates of {choice}, on the readings of a drive that tested {recorded}\ndigest.estimates {}\n",
+            found.digest()
+        ))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let compared = match found.first_different_s {
         None => "equal to the recorded ones bit for bit".to_owned(),
         Some(time_s) => {
@@ -59,9 +73,7 @@ pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, 
         }
     };
     print(&format!(
-        "{} seed {}: {n_estimates} estimates, {compared}\ndigest.estimates {}, recorded {}\n",
-        found.scene,
-        found.seed,
+        "{run}: {n_estimates} estimates, {compared}\ndigest.estimates {}, recorded {}\n",
         found.digest(),
         found.recorded_digest
     ))?;

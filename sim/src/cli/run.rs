@@ -14,7 +14,7 @@ use crate::{
         run_files::{self, SUBJECT_LOG, program_digest, scene_digest},
     },
     campaign::{
-        cases::{CaseResult, Results, program, quoted, subject_option},
+        cases::{CaseResult, Results, program, quoted},
         judged_run::{Progress, run_judged},
         report::{Overview, broken_bounds, first_outside_of},
         sweep,
@@ -279,7 +279,7 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
         program,
         quoted(&one.file.path.display().to_string()),
         arguments.which.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
-        subject_option(&one.outcome.subject),
+        arguments.tested.options(),
         one.outcome.seed,
         quoted(&arguments.out.display().to_string()),
     );

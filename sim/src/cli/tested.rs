@@ -4,7 +4,10 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::subject::{SubjectChoice, USUAL_LIMIT};
+use crate::{
+    campaign::cases::subject_option,
+    subject::{SubjectChoice, USUAL_LIMIT},
+};
 
 /// Arguments that choose the localizer under test.
 #[derive(Debug, Args)]
@@ -28,6 +31,18 @@ impl Tested {
             },
             built_in => built_in.clone(),
         }
+    }
+
+    /// The options that choose this localizer again, for a command line: empty for the one that is tested unless another is asked for.
+    pub(super) fn options(&self) -> String {
+        let choice = self.choice();
+        let limit = match &choice {
+            SubjectChoice::Command { limit, .. } if *limit != USUAL_LIMIT => {
+                format!(" --subject-timeout-s {}", limit.as_secs_f64())
+            }
+            _ => String::new(),
+        };
+        subject_option(&choice.to_string()) + &limit
     }
 }
 

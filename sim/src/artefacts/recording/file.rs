@@ -80,6 +80,7 @@ impl Recording {
         let entries = [
             ("scene", summary.scene.to_owned()),
             ("seed", summary.seed.to_string()),
+            ("subject", summary.subject.to_owned()),
             ("version", summary.version.to_owned()),
             ("adapter", summary.adapter.unwrap_or_default().to_owned()),
             ("digest.scene", summary.digest.scene.clone()),
