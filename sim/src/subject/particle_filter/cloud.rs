@@ -1,7 +1,7 @@
 //! The samples of the particle filter: how they are moved, weighed and drawn anew.
 
 use localizer::PoseBox;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{SMatrix, SVector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -49,12 +49,32 @@ const MOST_PARTS: usize = 20;
 const HALVINGS: usize = 30;
 /// Half width of a start's heading beyond which the heading is unknown, and its samples are even instead of Gaussian.
 const UNKNOWN_RAD: f64 = 1.5;
-/// Factor of Liu and West's kernel that keeps the samples of a constant apart (*Combined parameter and state estimation in simulation-based
-/// filtering*, 2001): each is drawn towards the mean and spread again, so that mean and variance stay as they are.
-const SPREAD: f64 = 0.1;
-/// Standard deviation of the kernel with which poses that are drawn anew are spread, over that of all samples, so that a sample drawn many times does
-/// not stay one pose (C. Musso, N. Oudjane, F. Le Gland, *Improving regularised particle filters*, 2001). The samples spread by 2 % each time.
-const KERNEL: f64 = 0.2;
+/// Standard deviation of the kernel with which samples that are drawn anew are spread, over that of all samples, so that a sample drawn many times does
+/// not stay one (C. Musso, N. Oudjane, F. Le Gland, *Improving regularised particle filters*, 2001). Errors are drawn towards their mean by as much, so
+/// that their mean and variance stay as they are (J. Liu, M. West, *Combined parameter and state estimation in simulation-based filtering*, 2001).
+const KERNEL: f64 = 0.1;
+/// Share of its variance that each quantity has on its own at the least, so that the covariance of samples of which two quantities are tied is definite.
+const LEAST_OWN: f64 = 1e-9;
+
+/// Number of coordinates of the pose, the first quantities of a sample.
+const POSE: usize = 3;
+/// Number of quantities of a sample: its pose, the gyroscope's bias, the errors that last, and those of the mounts.
+const N_QUANTITIES: usize = POSE + 1 + N_LASTING + POSE * Mounted::ALL.len();
+type Quantities = SVector<f64, N_QUANTITIES>;
+
+impl Sample {
+    fn quantities(&self) -> Quantities {
+        let Errors { bias_rad_per_s, lasting, mounts, .. } = &self.errors;
+        let all = self.pose.iter().chain([bias_rad_per_s]).chain(lasting).chain(mounts.iter().flatten());
+        Quantities::from_iterator(all.copied())
+    }
+
+    fn set_quantities(&mut self, quantities: &Quantities) {
+        let Errors { bias_rad_per_s, lasting, mounts, .. } = &mut self.errors;
+        let all = self.pose.iter_mut().chain([bias_rad_per_s]).chain(lasting).chain(mounts.iter_mut().flatten());
+        all.zip(quantities).for_each(|(value, quantity)| *value = *quantity);
+    }
+}
 
 impl Cloud {
     pub(crate) fn new(rng: ChaCha8Rng) -> Cloud {
@@ -173,42 +193,34 @@ impl Cloud {
         let n_samples = n_by_kld(n_bins(trial.iter().map(|index| self.samples[*index].pose)));
         let drawn = low_variance(&weights, total, n_samples, self.rng.random());
         self.samples = drawn.into_iter().map(|index| Sample { log_weight: 0.0, ..self.samples[index] }).collect();
-        self.regularise();
-        self.keep_apart(&|errors| &mut errors.bias_rad_per_s);
-        for mount in 0..Mounted::ALL.len() {
-            (0..3).for_each(|axis| self.keep_apart(&|errors| &mut errors.mounts[mount][axis]));
-        }
+        self.spread();
         self.draw_new_errors();
     }
 
-    /// Spreads a constant of samples that have been drawn anew.
-    fn keep_apart(&mut self, constant: &dyn Fn(&mut Errors) -> &mut f64) {
+    /// Spreads samples that have been drawn anew by a kernel of the shape of the covariance that all their quantities have together, so that what a
+    /// pose tells of the errors of mounts and sensors is kept.
+    fn spread(&mut self) {
         let n_samples = self.samples.len() as f64;
-        let values: Vec<f64> = self.samples.iter_mut().map(|sample| *constant(&mut sample.errors)).collect();
-        let mean = values.iter().sum::<f64>() / n_samples;
-        let sigma = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n_samples).sqrt();
-        if sigma == 0.0 {
-            return;
+        let quantities: Vec<Quantities> = self.samples.iter().map(Sample::quantities).collect();
+        let mean = quantities.iter().sum::<Quantities>() / n_samples;
+        let mut covariance = SMatrix::<f64, N_QUANTITIES, N_QUANTITIES>::zeros();
+        for off in quantities.iter().map(|quantities| quantities - mean) {
+            covariance.ger(1.0 / n_samples, &off, &off, 1.0);
         }
-        for sample in &mut self.samples {
-            let normal: f64 = StandardNormal.sample(&mut self.rng);
-            let value = constant(&mut sample.errors);
-            *value = mean + (1.0 - SPREAD * SPREAD).sqrt() * (*value - mean) + SPREAD * sigma * normal;
+        // A quantity that no sample varies has neither variance nor kernel.
+        for quantity in 0..N_QUANTITIES {
+            let variance = covariance[(quantity, quantity)];
+            covariance[(quantity, quantity)] = variance * (1.0 + LEAST_OWN) + f64::MIN_POSITIVE;
         }
-    }
-
-    /// Spreads the poses of samples that have been drawn anew by a kernel of the shape of their covariance.
-    fn regularise(&mut self) {
-        let n_samples = self.samples.len() as f64;
-        let mean: Vector3<f64> =
-            self.samples.iter().map(|sample| Vector3::from(sample.pose)).sum::<Vector3<f64>>() / n_samples;
-        let off = |sample: &Sample| Vector3::from(sample.pose) - mean;
-        let covariance: Matrix3<f64> =
-            self.samples.iter().map(|sample| off(sample) * off(sample).transpose()).sum::<Matrix3<f64>>() / n_samples;
-        let Some(root) = covariance.cholesky() else { return };
-        for sample in &mut self.samples {
-            let normal = Vector3::from_fn(|_, _| StandardNormal.sample(&mut self.rng));
-            sample.pose = (Vector3::from(sample.pose) + root.l() * normal * KERNEL).into();
+        let Some(root) = covariance.cholesky().map(|root| root.l()) else { return };
+        let kept = (1.0 - KERNEL * KERNEL).sqrt();
+        for (sample, quantities) in self.samples.iter_mut().zip(&quantities) {
+            let normal = Quantities::from_fn(|_, _| StandardNormal.sample(&mut self.rng));
+            let off = root * normal * KERNEL;
+            let mut spread = mean + (quantities - mean) * kept + off;
+            // Poses may form several clusters, which are not drawn together.
+            (0..POSE).for_each(|axis| spread[axis] = quantities[axis] + off[axis]);
+            sample.set_quantities(&spread);
         }
     }
 

@@ -47,6 +47,30 @@ fn a_position_to_the_millimetre_leaves_many_samples_that_are_spread_as_it_says()
     }
 }
 
+#[test]
+fn drawing_samples_anew_keeps_what_a_pose_tells_of_a_mount() {
+    let antenna = Mounted::Antenna as usize;
+    let mut constants = Constants::default();
+    constants.mounts[antenna] = [0.05, 0.05, 0.0];
+    let mut cloud = Cloud::new(stream(3, "a cloud"));
+    let side = Interval::centred(0.0, 0.15);
+    cloud.draw_start(&PoseBox::from([side, side, Interval::centred(0.0, 0.3)]), &constants);
+    // The antenna is seen to be at the origin to 2 mm, so that either the robot or the antenna on it is off by some centimetres.
+    let seen = |sample: &Sample| [0, 1].map(|axis| sample.pose[axis] + sample.errors.mounts[antenna][axis]);
+    cloud.weigh(&|sample| -0.5 * seen(sample).map(|m| (m / 0.002).powi(2)).iter().sum::<f64>());
+    // Headings alone are measured then, which tell nothing of the place, each so well that the samples are drawn anew.
+    for heading_rad in [0.01, -0.01].repeat(10) {
+        cloud.weigh(&|sample| -0.5 * ((sample.pose[2] - heading_rad) / 0.005).powi(2));
+    }
+    for axis in 0..2 {
+        let (_, of_robot_m, _) = spread(&cloud, |sample| sample.pose[axis]);
+        let (_, of_antenna_m, n_values) = spread(&cloud, |sample| seen(sample)[axis]);
+        // Half of the variance of 5 cm and 5 cm is that of what the antenna does not tell.
+        assert!((0.018..0.06).contains(&of_robot_m), "axis {axis}: {of_robot_m} m");
+        assert!(of_antenna_m < 0.004 && n_values > 100, "axis {axis}: {of_antenna_m} m");
+    }
+}
+
 /// A cloud known to a centimetre, at the origin.
 fn dense() -> Cloud {
     let mut cloud = Cloud::new(stream(2, "a cloud"));
