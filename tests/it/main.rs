@@ -128,6 +128,8 @@ mod cli_runs;
 mod record_files;
 /// Tests of rules that every scene file, the schema and the documents must obey.
 mod repository;
+/// Test that runs every command of the book's page *First hour*.
+mod first_hour;
 /// Tests of the floor camera's lens and rolling shutter against formulas that are written out in the tests.
 mod render_floor_lens;
 /// Tests of floor tiles as laid at random, against the bounds that the localizer is given.

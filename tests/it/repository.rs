@@ -62,32 +62,21 @@ fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside()
 }
 
 /// Files of the book's pages, with its summary among them.
-fn pages() -> Vec<PathBuf> {
+pub(crate) fn pages() -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join("docs/src")).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect()
 }
 
 #[test]
 fn every_path_that_a_document_names_exists() {
-    for document in ["README.md", "ARCHITECTURE.md"].into_iter().map(|name| root().join(name)).chain(pages()) {
+    for document in
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].into_iter().map(|name| root().join(name)).chain(pages())
+    {
         let text = fs::read_to_string(&document).unwrap();
         let document = document.display();
         for path in named_paths(&text) {
             assert!(root().join(&path).exists(), "{document} names `{}`, which does not exist", path.display());
         }
-    }
-}
-
-#[test]
-fn the_readme_holds_a_table_of_results() {
-    let text = fs::read_to_string(root().join("README.md")).unwrap();
-    let table: String = text
-        .split("<!-- results:begin")
-        .skip(1)
-        .map(|piece| piece.split("<!-- results:end -->").next().unwrap())
-        .collect();
-    for row in ["papers/floor_vision_odometry |", "papers/floor_vision_odometry_paper_chain |", "odometry"] {
-        assert!(table.contains(row), "make experiments writes a row of {row}");
     }
 }
 
@@ -100,7 +89,8 @@ fn named_paths(text: &str) -> Vec<PathBuf> {
         // Only paths of existing files are checked: patterns and placeholders such as `*` and `<` stand for many files, and `experiments/out` holds
         // files that are not committed.
         .filter(|span| !span.contains(['*', '<', '…', '{']) && !span.starts_with("experiments/out"))
-        .map(|span| Path::new(span.trim_end_matches([',', '.', ':', ';'])).to_owned())
+        // A link may lead to a heading of a file.
+        .map(|span| Path::new(span.split('#').next().unwrap().trim_end_matches([',', '.', ':', ';'])).to_owned())
         .collect()
 }
 
@@ -133,12 +123,18 @@ fn the_book_builds_and_what_its_pages_show_and_link_to_is_in_it() {
         let text = fs::read_to_string(&page).unwrap();
         let main = text.split("<main>").nth(1).unwrap().split("</main>").next().unwrap();
         for shown in ["src=\"", "href=\""].iter().flat_map(|attribute| main.split(attribute).skip(1)) {
-            let target = shown.split(['"', '#']).next().unwrap();
-            if target.is_empty() || target.contains("://") {
+            let link = shown.split('"').next().unwrap();
+            if link.contains("://") {
                 continue;
             }
             n_shown += 1;
-            assert!(built.join(target).is_file(), "{} has no {target}", page.display());
+            let (target, anchor) = link.split_once('#').unwrap_or((link, ""));
+            assert!(target.is_empty() || built.join(target).is_file(), "{}: {link}", page.display());
+            if !anchor.is_empty() {
+                let other = (!target.is_empty()).then(|| fs::read_to_string(built.join(target)).unwrap());
+                let holds = other.as_ref().unwrap_or(&text).contains(&format!("id=\"{anchor}\""));
+                assert!(holds, "{}: {link}", page.display());
+            }
         }
     }
     assert!(n_shown > 10, "{n_shown} pictures and links within the book");

@@ -13,7 +13,7 @@
 //! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
 //! | [`log`] | a log that another program recorded, whose readings it gives to a localizer |
 //! | [`debug_frames`] | pictures of one run: what a camera saw, with what the localizer made of it drawn over |
-//! | [`result_table`] | the table of results that a terminal and README show |
+//! | [`result_table`] | the table of results that a terminal and the book show |
 //! | [`machine`] | the description in words of the computer that ran, which result files name |
 //! | [`marker_sheet`](mod@marker_sheet) | ceiling markers to print, as a PDF file |
 
