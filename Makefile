@@ -1,13 +1,16 @@
-# The commands of the README. Everything is built in the dev profile, in which the hot paths are optimised (Cargo.toml), so that
+# The commands of README and of the book. Everything is built in the dev profile, in which the hot paths are optimised (Cargo.toml), so that
 # `make test` reuses what `make demo` has built.
 
 WHEREIN = target/debug/wherein
 PYTHON ?= python3
 DEMO_SCENE = scenes/home.toml
+# The oldest compiler that is supported, as Cargo.toml states it.
+MSRV = 1.89
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test test-long lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build
+.PHONY: help demo test test-long lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build \
+	msrv features deny package book site archive check-tag release-notes
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -20,8 +23,8 @@ help:
 	@echo "make readers       let programs of others read what runs leave, where Python has them; PYTHON=…"
 	@echo "make allan         analyse the gyroscope by the package allantools where Python has it; PYTHON=…"
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
-	@echo "make gallery       take the pictures of README's gallery anew; look at them"
-	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
+	@echo "make gallery       take the pictures of the book's gallery anew; look at them"
+	@echo "make experiments   rerun the long tables of the book and of README; ISSUE=N for one group only"
 	@echo "make straight-drive  rerun paper 4's numerical experiment and put its tables and figure into the book: two minutes"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ rows of each kind, 10⁷ problems of P3P, 900 pairs of images: 2 hours"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
@@ -29,6 +32,15 @@ help:
 	@echo "make python        build the Python package as a wheel; PYTHON=…"
 	@echo "make test-python   test the Python package and its examples; PYTHON=…"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
+	@echo "make msrv          check all crates with the oldest compiler that is supported"
+	@echo "make features      check the crates with each set of features"
+	@echo "make deny          check licences, advisories and doubles of the dependencies by cargo-deny"
+	@echo "make package       package the crates for a registry, without publishing them"
+	@echo "make book          make the book by mdBook in target/book, warnings refused"
+	@echo "make site          make the book and the documentation of the crates in target/site"
+	@echo "make archive       build the command for this system into an archive in target/archives"
+	@echo "make check-tag     check that the crates and the changelog have the version of a tag; TAG=v…"
+	@echo "make release-notes print what the changelog says of a version; TAG=v…"
 
 demo: driver build
 	$(WHEREIN) run $(DEMO_SCENE) --frames every=25 --out renders
@@ -115,3 +127,43 @@ driver:
 
 build:
 	cargo build --workspace --bins
+
+msrv:
+	rustup toolchain install $(MSRV) --profile minimal
+	cargo +$(MSRV) check --locked --workspace --all-targets
+
+features:
+	cargo check --locked -p wherein-interval
+	cargo check --locked -p wherein-localizer
+	cargo check --locked -p wherein-sim
+	cargo check --locked -p wherein-sim --features parquet
+	cargo check --locked -p wherein-python
+
+deny:
+	cargo deny --locked check
+
+# The crates depend on each other, so that they are packaged together.
+package:
+	cargo package --locked -p wherein-interval -p wherein-localizer -p wherein-sim
+
+# mdBook ends with 0 although it has warned.
+book:
+	@mkdir -p target
+	mdbook build docs --dest-dir $(CURDIR)/target/book 2> target/book.log || { cat target/book.log; exit 1; }
+	@cat target/book.log
+	@! grep -q WARN target/book.log
+
+site: book
+	RUSTDOCFLAGS=-Dwarnings cargo doc --locked --workspace --no-deps
+	rm -rf target/site
+	cp -R target/book target/site
+	cp -R target/doc target/site/api
+
+archive:
+	@scripts/release archive
+
+check-tag:
+	@scripts/release check $(TAG)
+
+release-notes:
+	@scripts/release notes $(TAG)
