@@ -128,8 +128,12 @@ mod cli_runs;
 mod record_files;
 /// Tests of rules that every scene file, the schema and the documents must obey.
 mod repository;
+/// Tests of the documents for people: links, tables, the length of README, and commands that they name.
+mod documents;
 /// Test that runs every command of the book's page *First hour*.
 mod first_hour;
+/// Tests of what a release consists of: licences, the crates' metadata, versions, citation and changelog.
+mod release;
 /// Tests of the floor camera's lens and rolling shutter against formulas that are written out in the tests.
 mod render_floor_lens;
 /// Tests of floor tiles as laid at random, against the bounds that the localizer is given.

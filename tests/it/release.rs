@@ -1,0 +1,127 @@
+use std::fs;
+
+use toml::{Table, Value};
+
+use crate::command::root;
+
+fn text(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The manifests of the workspace's crates, each with its folder.
+fn manifests() -> Vec<(String, Table)> {
+    let workspace: Table = text("Cargo.toml").parse().unwrap();
+    let members = workspace["workspace"]["members"].as_array().unwrap().iter().map(|member| member.as_str().unwrap());
+    members.map(|member| (member.to_owned(), text(&format!("{member}/Cargo.toml")).parse().unwrap())).collect()
+}
+
+/// What the workspace states for all of its crates.
+fn shared() -> Table {
+    let workspace: Table = text("Cargo.toml").parse().unwrap();
+    workspace["workspace"]["package"].as_table().unwrap().clone()
+}
+
+/// The text of a key of the table `[package]`.
+fn stated<'a>(package: &'a Value, key: &str) -> &'a str {
+    package.get(key).and_then(Value::as_str).unwrap_or_default()
+}
+
+/// Whether a crate is meant for a registry.
+fn is_published(package: &Value) -> bool {
+    package.get("publish").and_then(Value::as_bool).unwrap_or(true)
+}
+
+#[test]
+fn every_crate_says_what_it_is_and_takes_version_and_licence_from_the_workspace() {
+    for (folder, manifest) in manifests() {
+        let package = &manifest["package"];
+        assert!(stated(package, "description").len() > 20, "{folder}");
+        for key in ["version", "edition", "rust-version", "license"] {
+            let from_workspace = package.get(key).and_then(|value| value.get("workspace")).and_then(Value::as_bool);
+            assert_eq!(from_workspace, Some(true), "{folder}: {key}");
+        }
+    }
+}
+
+#[test]
+fn every_published_crate_has_what_a_registry_shows() {
+    let mut published = Vec::new();
+    for (folder, manifest) in manifests() {
+        let package = &manifest["package"];
+        if !is_published(package) {
+            continue;
+        }
+        let n_of = |key: &str| package.get(key).and_then(Value::as_array).map_or(0, Vec::len);
+        assert!((1..=5).contains(&n_of("keywords")) && (1..=5).contains(&n_of("categories")), "{folder}");
+        for file in [stated(package, "readme"), "LICENSE-MIT", "LICENSE-APACHE"] {
+            assert!(!file.is_empty() && root().join(&folder).join(file).is_file(), "{folder}: {file}");
+        }
+        published.push(stated(package, "name").to_owned());
+    }
+    assert_eq!(published, ["wherein-interval", "wherein-localizer", "wherein-sim"]);
+}
+
+#[test]
+fn crates_depend_on_each_other_by_the_workspaces_version() {
+    let workspace: Table = text("Cargo.toml").parse().unwrap();
+    let shared = shared();
+    let mut n_paths = 0;
+    for (name, dependency) in workspace["workspace"]["dependencies"].as_table().unwrap() {
+        if dependency.get("path").is_some() {
+            n_paths += 1;
+            assert_eq!(dependency.get("version"), Some(&shared["version"]), "{name}");
+        }
+    }
+    assert_eq!(n_paths, 3);
+}
+
+#[test]
+fn the_licences_are_those_that_the_crates_state() {
+    assert_eq!(shared()["license"].as_str(), Some("MIT OR Apache-2.0"));
+    let (mit, apache) = (text("LICENSE-MIT"), text("LICENSE-APACHE"));
+    assert!(mit.starts_with("MIT License\n") && mit.contains("the Wherein developers"), "{mit}");
+    assert!(mit.contains("THE SOFTWARE IS PROVIDED \"AS IS\"") && apache.contains("Apache License"));
+    assert!(apache.contains("Version 2.0, January 2004") && apache.contains("END OF TERMS AND CONDITIONS"));
+    for (folder, manifest) in manifests() {
+        if is_published(&manifest["package"]) {
+            assert_eq!(text(&format!("{folder}/LICENSE-MIT")), mit, "{folder}");
+            assert_eq!(text(&format!("{folder}/LICENSE-APACHE")), apache, "{folder}");
+        }
+    }
+    let python: Table = text("python/pyproject.toml").parse().unwrap();
+    assert_eq!(python["project"]["license"]["text"], shared()["license"]);
+}
+
+#[test]
+fn the_citation_names_the_version_and_every_paper_of_the_book() {
+    let citation = text("CITATION.cff");
+    let version = shared()["version"].as_str().unwrap().to_owned();
+    assert!(citation.lines().any(|line| line == format!("version: {version}")), "{version}");
+    let page = text("docs/src/the_five_papers.md");
+    let dois: Vec<&str> = page.split("https://doi.org/").skip(1).map(|rest| rest.split(')').next().unwrap()).collect();
+    assert_eq!(dois.len(), 5, "{dois:?}");
+    for doi in dois {
+        assert!(citation.contains(&format!("doi: {doi}\n")), "{doi}");
+    }
+}
+
+#[test]
+fn the_changelog_has_unreleased_changes_first_and_the_newest_release_is_not_newer_than_the_crates() {
+    let changelog = text("CHANGELOG.md");
+    let mut headings = changelog.lines().filter_map(|line| line.strip_prefix("## "));
+    assert_eq!(headings.next(), Some("[Unreleased]"));
+    let numbers = |version: &str| -> Vec<u64> { version.split('.').map(|number| number.parse().unwrap()).collect() };
+    let version = shared()["version"].as_str().unwrap().to_owned();
+    if let Some(newest) = headings.next() {
+        let newest = newest.trim_start_matches('[').split(']').next().unwrap();
+        assert!(numbers(newest) <= numbers(&version), "{newest} is released, the crates have {version}");
+    }
+}
+
+#[test]
+fn the_oldest_compiler_is_the_one_that_workflows_check() {
+    let oldest = shared()["rust-version"].as_str().unwrap().to_owned();
+    let makefile = text("Makefile");
+    assert!(makefile.lines().any(|line| line == format!("MSRV = {oldest}")), "Makefile: MSRV = {oldest}");
+    assert!(text("CONTRIBUTING.md").contains(&format!("Rust {oldest}")), "CONTRIBUTING.md: Rust {oldest}");
+}
