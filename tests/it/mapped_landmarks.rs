@@ -124,6 +124,15 @@ fn a_map_that_one_drive_has_taught_guides_another_robot_another_way_round() {
     assert_eq!(code, 0, "{told}{errors}");
     let (code, told, errors) = outcome(&mut wherein(&place, &["replay", "recorded/repeat/0/recording.mcap"]));
     assert_eq!(code, 0, "{told}{errors}");
+    // Where the map lies makes no other scene of it.
+    fs::write(place.join("elsewhere.json"), &map).unwrap();
+    let (code, told, errors) = outcome(&mut wherein(
+        &place,
+        &["repeat", "repeat.toml", "--map", "elsewhere.json", "--set", "duration_s=4", "--out", "elsewhere"],
+    ));
+    assert_eq!(code, 0, "{told}{errors}");
+    let [here, there] = ["recorded", "elsewhere"].map(|out| summary(&place, &format!("{out}/repeat/0")));
+    assert_eq!(here["digest"], there["digest"]);
     // A drive that fails its expectations leaves the map as it was.
     let (code, told, _) = teach(&["--set", "expect.width.x_m.mean_max=0.0001"]);
     assert!(code == 1 && told.contains("No map is written"), "{told}");

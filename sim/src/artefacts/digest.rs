@@ -12,10 +12,15 @@ use crate::{
     truth::Truth,
 };
 
-/// Digest of all that a scene states and of the maps that it names. The layout and the comments of the scene's file do not matter.
+/// Digest of all that a scene states and of the maps that it names. The layout and the comments of the scene's file do not matter, nor does where a map of
+/// landmarks is found.
 pub fn scene_digest(scene: &Scene) -> String {
+    let mut stated = scene.clone();
+    if let Some(setup) = stated.localizer.mapped_landmarks.as_mut().filter(|setup| setup.known.is_some()) {
+        setup.map = None;
+    }
     // The keys of a scene are texts, so that serialising it cannot fail.
-    let mut hasher = Sha256::new_with_prefix(serde_json::to_vec(scene).unwrap_or_default());
+    let mut hasher = Sha256::new_with_prefix(serde_json::to_vec(&stated).unwrap_or_default());
     if let Some(grid) = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.as_ref()) {
         hasher.update(map_server::header(grid, ""));
         hasher.update(map_server::pgm(grid));

@@ -23,6 +23,14 @@ const NO_DIGEST: &str = "0000000000000000000000000000000000000000000000000000000
 /// Share of its size, and absolute part, by which every interval is made wider when it is written: numbers may be read back with a rounding error.
 const ROUNDING: f64 = 1e-12;
 
+/// Greatest coordinate of an anchor: far beyond any building, so that a unit that was mistaken shows.
+const FARTHEST_M: f64 = 1e6;
+/// Greatest slope of a ray. Depths are counted along the axis that is nearest to the ray, so that a slope is 1 or a little more at most when the landmark
+/// is first seen.
+const STEEPEST: f64 = 1e3;
+/// Greatest inverse depth, of a landmark 1 mm away from its anchor.
+const NEAREST_PER_M: f64 = 1e3;
+
 /// The file as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -102,7 +110,8 @@ fn parse(text: &str) -> Result<LandmarkMap, String> {
         Some(VERSION) => {}
         _ => return Err(format!("`version` is {}, expected {VERSION}", value["version"])),
     }
-    let file: File = serde_json::from_value(value).map_err(|error| error.to_string())?;
+    let file: File =
+        serde_path_to_error::deserialize(value).map_err(|error| format!("`{}`: {}", error.path(), error.inner()))?;
     if file.digest.len() != NO_DIGEST.len() || digest_of(&text.replacen(&file.digest, NO_DIGEST, 1)) != file.digest {
         return Err("`digest` is not that of the text, expected a file as `wherein teach` wrote it".to_owned());
     }
@@ -123,15 +132,16 @@ fn point_of(entry: &Entry) -> Result<SpacePoint, (&'static str, &'static str)> {
     let interval = |[lo, hi]: [f64; 2]| (lo <= hi && lo.is_finite() && hi.is_finite()).then(|| Interval::new(lo, hi));
     let &(_, axis, is_positive) =
         AXES.iter().find(|(name, ..)| *name == entry.axis).ok_or(("axis", "one of +x, -x, +y, -y, +z and -z"))?;
-    if !entry.anchor_m.iter().all(|at_m| at_m.is_finite()) {
-        return Err(("anchor_m", "three numbers"));
+    if !entry.anchor_m.iter().all(|at_m| at_m.abs() <= FARTHEST_M) {
+        return Err(("anchor_m", "three numbers from -1e6 to 1e6"));
     }
-    let [alpha, beta] = entry.slopes.map(interval);
+    let slope = |ends| interval(ends).filter(|slope| slope.magnitude() <= STEEPEST);
+    let [alpha, beta] = entry.slopes.map(slope);
     let (Some(alpha), Some(beta)) = (alpha, beta) else {
-        return Err(("slopes", "two pairs of numbers, the lesser first"));
+        return Err(("slopes", "two pairs of numbers from -1000 to 1000, the lesser first"));
     };
-    let rho = interval(entry.inverse_depth_per_m).filter(|rho| rho.lo() >= 0.0);
-    let rho = rho.ok_or(("inverse_depth_per_m", "a pair of numbers from 0, the lesser first"))?;
+    let rho = interval(entry.inverse_depth_per_m).filter(|rho| rho.lo() >= 0.0 && rho.hi() <= NEAREST_PER_M);
+    let rho = rho.ok_or(("inverse_depth_per_m", "a pair of numbers from 0 to 1000, the lesser first"))?;
     Ok(SpacePoint { anchor: Anchor { from_m: entry.anchor_m, axis, is_positive }, value: [alpha, beta, rho] })
 }
 
@@ -199,6 +209,10 @@ mod tests {
             ("\"-y\"", "\"y\"", "`landmarks[0].axis`"),
             ("\"number\": 9", "\"number\": 3", "`landmarks[1].number` is out of order"),
             ("0.7", "-0.7", "`landmarks[0].inverse_depth_per_m`"),
+            ("0.7", "9000.7", "`landmarks[0].inverse_depth_per_m`"),
+            ("-0.3", "-30000000.0", "`landmarks[0].anchor_m`"),
+            ("-0.3", "\"-0.3\"", "`landmarks[0].anchor_m[1]`: invalid type: string \"-0.3\", expected f64"),
+            ("\"number\": 9", "\"number\": 9.5", "`landmarks[1].number`: invalid type: floating point"),
         ] {
             let refused = parse(&resigned(from, to)).unwrap_err();
             assert!(refused.contains(told), "{refused}");
