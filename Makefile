@@ -9,7 +9,7 @@ MSRV = 1.89
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test test-long lint bench bench-render photon-transfer allan readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build \
+.PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build \
 	msrv features deny package book site archive check-tag release-notes
 
 help:
@@ -24,6 +24,7 @@ help:
 	@echo "make allan         analyse the gyroscope by the package allantools where Python has it; PYTHON=…"
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
 	@echo "make gallery       take the pictures of the book's gallery anew; look at them"
+	@echo "make path-traced   compare the light of five scenes with the path tracer Mitsuba where Python has it; PYTHON=…"
 	@echo "make experiments   rerun the long tables of the book and of README; ISSUE=N for one group only"
 	@echo "make straight-drive  rerun paper 4's numerical experiment and put its tables and figure into the book: two minutes"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ rows of each kind, 10⁷ problems of P3P, 900 pairs of images: 2 hours"
@@ -88,6 +89,10 @@ golden: driver
 
 gallery: driver build
 	scripts/gallery $(WHEREIN)
+
+path-traced:
+	cargo run -p wherein-tests --example path_traced target/path_traced
+	$(PYTHON) scripts/path_traced target/path_traced
 
 experiments: driver build allan $(if $(ISSUE),,test-long)
 	scripts/experiments $(ISSUE)
