@@ -147,6 +147,8 @@ mod render_photons;
 mod render_projection;
 /// Tests of the light of lamps against closed forms, of shadows against similar triangles, and of spectra against published figures.
 mod light_of_lamps;
+/// Tests of the light that surfaces reflect: between rooms, behind furniture, far from lamps.
+mod light_reflected;
 /// Tests of the live view of a run in a viewer that speaks Foxglove's WebSocket protocol.
 mod live_view;
 /// Tests of rooms rendered through lenses, against projections written for these tests alone.

@@ -13,7 +13,6 @@ mod walls;
 pub use body::{BodyMesh, BodyVertex, STRIDE_M, UprightBody, body_mesh};
 pub(crate) use coverings::covering_albedo;
 pub(crate) use ground_plan::{Doorway, GroundPlan};
-pub use openings::Opening;
 pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};
 pub(crate) use upright_box::BoxFrame;
@@ -49,8 +48,6 @@ pub struct Building {
     pub tiles: Option<(Tiles, LaidTiles)>,
     /// Retro-reflective dots in the building: those that the scene states and those of the ceiling markers.
     pub dots: Vec<RetroDot>,
-    /// Openings between rooms, through which light passes.
-    pub openings: Vec<Opening>,
 }
 
 /// A round retro-reflective dot that faces down.
@@ -74,7 +71,6 @@ impl Building {
     pub fn furnished(scene: &Scene, drawn: &DrawnPlace, boxes: Vec<UprightBox>) -> Building {
         let rooms = walls::enclosures(scene);
         let mut building = Building {
-            openings: openings::openings(scene, &rooms),
             rooms,
             panels: Vec::new(),
             n_large_panels: 0,

@@ -5,28 +5,31 @@
 //! Unit: light is counted by its photons. An *equivalent* lumen, lux or candela of a band is that number of photons which a lumen, lux or
 //! candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
 
-mod bounce;
+mod ambient;
 mod floor_field;
 mod footprint;
+mod gathered;
 mod lightmap;
+mod nodes;
 mod occlusion;
+mod parallel;
 mod people;
+mod radiosity;
+mod reflector;
 mod source;
 
-pub use bounce::{Bounce, RoomLight, opposite_rectangles_view_factor};
 pub use floor_field::FloorField;
-pub use lightmap::{LightMap, Patch, bake};
+pub use lightmap::{LightMap, bake};
+pub use nodes::Patch;
 pub use occlusion::Occluders;
 pub use people::nodes_with_people;
 pub use source::{Shape, Source, polygon_irradiance};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::{
-    optics::Photons,
-    place::building::{Building, Opening},
-    scene::Scene,
-};
+use ambient::Ambient;
+
+use crate::{optics::Photons, place::building::Building, scene::Scene};
 
 /// The lighting of a building: its lamps, the things that cast shadows, and the light reflected between surfaces.
 #[derive(Clone, Debug)]
@@ -35,10 +38,8 @@ pub struct Lighting {
     pub sources: Vec<Source>,
     /// Furniture and walls that cast shadows.
     pub occluders: Occluders,
-    /// Light that arrives by reflection at floor, walls and ceiling, for each room.
-    pub bounces: Vec<Bounce>,
-    /// Openings between rooms, through which light passes.
-    pub openings: Vec<Opening>,
+    /// Light that arrives by reflection anywhere in each room.
+    ambient: Ambient,
     /// Factor on all light, chosen so that the illuminance is that which the scene states.
     pub dimming: f64,
 }
@@ -80,8 +81,7 @@ impl Lighting {
         Lighting {
             sources: source::sources(scene, building),
             occluders: Occluders::new(building),
-            bounces: Vec::new(),
-            openings: building.openings.clone(),
+            ambient: Ambient::default(),
             dimming: 1.0,
         }
     }
@@ -106,6 +106,6 @@ impl Lighting {
 
     /// Light reflected onto a point of a surface in a room, before the factor on all light that yields the illuminance which the scene states.
     pub(crate) fn bounced(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize) -> Illuminance {
-        Bounce::at(&self.bounces, &self.openings, room, (at, normal))
+        self.ambient.at(room, at, normal)
     }
 }

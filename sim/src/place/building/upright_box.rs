@@ -111,7 +111,12 @@ impl UprightBox {
 pub(crate) struct BoxFrame {
     /// Corners of the box, in the order of [`UprightBox::corners`].
     pub(crate) corners: [Point3<f64>; 8],
+    /// Least and greatest coordinates of the corners.
+    low: Point3<f64>,
+    high: Point3<f64>,
     middle: Point3<f64>,
+    /// Half of the box's length, width and height.
+    half_m: [f64; 3],
     /// Half of the box's length, and the square of its norm.
     along: (Vector3<f64>, f64),
     /// Half of the box's width, and the square of its norm.
@@ -126,9 +131,13 @@ impl BoxFrame {
         let [along, across] = piece.half_sides();
         let height_m = piece.between_m[1] - piece.between_m[0];
         let corner_m2 = along.norm_squared() + across.norm_squared() + height_m * height_m / 4.0;
+        let corners = piece.corners();
         BoxFrame {
-            corners: piece.corners(),
+            corners,
+            low: corners.iter().fold(corners[0], |low, corner| low.inf(corner)),
+            high: corners.iter().fold(corners[0], |high, corner| high.sup(corner)),
             middle: piece.middle(),
+            half_m: [0.5 * piece.size_m[0], 0.5 * piece.size_m[1], 0.5 * height_m],
             along: (along, along.norm_squared()),
             across: (across, across.norm_squared()),
             height_m,
@@ -137,30 +146,59 @@ impl BoxFrame {
         }
     }
 
+    /// Whether an upright box with the given least and greatest coordinates meets this one's least and greatest coordinates.
+    #[inline]
+    pub(crate) fn reaches(&self, low: Point3<f64>, high: Point3<f64>) -> bool {
+        (0..3).all(|axis| self.low[axis] <= high[axis] && self.high[axis] >= low[axis])
+    }
+
     /// Whether the straight line between two points passes through the box (slab method).
     #[inline]
     pub(crate) fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         if self.is_passed_by(from, to) {
             return false;
         }
+        self.within(from, to, 0.0).is_some()
+    }
+
+    /// Whether a straight line between two points may pass through the box, of which is known only that they are no farther from `ends` than
+    /// `radii_m`.
+    ///
+    /// At each share of its way, such a line is no farther from the line between the ends than the mean of the radii by that share.
+    pub(crate) fn may_meet(&self, ends: [Point3<f64>; 2], radii_m: [f64; 2]) -> bool {
+        let [from, to] = ends;
+        let greatest_m = radii_m[0].max(radii_m[1]);
+        if self.square_to(from, to) > (self.reach_m2.sqrt() + greatest_m).powi(2) {
+            return false;
+        }
+        let Some([enter, leave]) = self.within(from, to, greatest_m) else { return false };
+        let radius_m = |share: f64| radii_m[0] * (1.0 - share) + radii_m[1] * share;
+        self.within(from, to, radius_m(enter).max(radius_m(leave))).is_some()
+    }
+
+    /// The part of the straight line between two points that is in the box, or less than `margin_m` outside of its sides, by its share of the way
+    /// (slab method).
+    #[inline]
+    fn within(&self, from: Point3<f64>, to: Point3<f64>, margin_m: f64) -> Option<[f64; 2]> {
         let (start, end) = (self.coordinates(from), self.coordinates(to));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {
             let way = end[axis] - start[axis];
+            let side = if margin_m > 0.0 { 1.0 + margin_m / self.half_m[axis] } else { 1.0 };
             if way.abs() < 1e-12 {
-                if start[axis].abs() >= 1.0 {
-                    return false;
+                if start[axis].abs() >= side {
+                    return None;
                 }
                 continue;
             }
-            let (one, other) = ((-1.0 - start[axis]) / way, (1.0 - start[axis]) / way);
+            let (one, other) = ((-side - start[axis]) / way, (side - start[axis]) / way);
             enter = enter.max(one.min(other));
             leave = leave.min(one.max(other));
             if enter >= leave {
-                return false;
+                return None;
             }
         }
-        true
+        Some([enter, leave])
     }
 
     /// Whether a point is inside the box.
@@ -173,9 +211,15 @@ impl BoxFrame {
     /// Whether the straight line between two points keeps out of the ball around the box. Most lines do, and this costs a single division.
     #[inline]
     fn is_passed_by(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
+        self.square_to(from, to) > self.reach_m2
+    }
+
+    /// Square of the distance of the box's middle from the straight line between two points.
+    #[inline]
+    fn square_to(&self, from: Point3<f64>, to: Point3<f64>) -> f64 {
         let (way, to_middle) = (to - from, self.middle - from);
         let share = (to_middle.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-        (to_middle - way * share).norm_squared() > self.reach_m2
+        (to_middle - way * share).norm_squared()
     }
 
     /// Coordinates of a point in the box's own frame, in which each coordinate runs from −1 to 1 inside the box.

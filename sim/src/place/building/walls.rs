@@ -37,7 +37,7 @@ impl Enclosure {
         self.sides().all(|side| side.inward.dot(&(at - side.from)) >= -1e-9)
     }
 
-    pub(super) fn axes(&self) -> [Vector3<f64>; 2] {
+    pub(crate) fn axes(&self) -> [Vector3<f64>; 2] {
         let along = level(self.heading_rad);
         [along * self.width_m, vector![-along.y, along.x, 0.0] * self.depth_m]
     }

@@ -1,8 +1,17 @@
 //! Light maps: illuminance at a grid of points (nodes) on every flat face of a building, computed once.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
-use super::{Bounce, Illuminance, Lighting, RoomLight, Source, source::Shape};
+use super::{
+    Illuminance, Lighting, Source,
+    ambient::Ambient,
+    gathered::Thrown,
+    nodes::{Patch, hair, nodes_of},
+    occlusion::{Between, Occluders, weight},
+    parallel::in_parallel,
+    radiosity::Reflecting,
+    reflector::Reflector,
+};
 use crate::{
     place::building::{Building, Panel, Part},
     scene::Scene,
@@ -18,8 +27,6 @@ const WIDTH: usize = 1024;
 /// Number of points along each side of a cell around a node of the light map, over which shadows are averaged. Each of these points is paired
 /// with a different point on the lamp. The number must not be a multiple of 3, or points of the lamp would be left out.
 const SUB_PLACES: usize = 7;
-/// Distance within which furniture reduces the reflected light in the corners that it forms with other surfaces.
-const CORNER_REACH_M: f64 = 1.0;
 
 /// Illuminance in both bands over all panels (flat faces) of a building, before the factor on all light that yields the illuminance which the
 /// scene states.
@@ -35,31 +42,14 @@ pub struct LightMap {
     pub mean_at_floor: Illuminance,
 }
 
-/// The rectangle of a light map that holds the nodes (points with a computed illuminance) of one flat face of the building. The first node is at
-/// the face's first corner, the last at the opposite corner.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
-    /// Column and row of the light map in which the first node of a flat face stands.
-    pub first: [usize; 2],
-    /// Numbers of light-map nodes (points with a computed illuminance) along both sides of a flat face, at least two each.
-    pub count: [usize; 2],
-}
-
 impl LightMap {
     /// Illuminance in one band (visible or infrared) at a point of a flat face, the shares `s` and `t` of the face's sides from 0 to 1; bilinear
     /// between the nodes of the light map.
     pub fn at(&self, panel: usize, s: f64, t: f64, band: usize) -> f64 {
         let patch = self.patches[panel];
-        let split = |share: f64, count: usize| {
-            let place = share.clamp(0.0, 1.0) * (count - 1) as f64;
-            let low = (place as usize).min(count - 2);
-            (low, place - low as f64)
-        };
-        let ((i, a), (j, b)) = (split(s, patch.count[0]), split(t, patch.count[1]));
         let node =
-            |i: usize, j: usize| f64::from(self.nodes[(patch.first[1] + j) * self.size[0] + patch.first[0] + i][band]);
-        let row = |j: usize| node(i, j) * (1.0 - a) + node(i + 1, j) * a;
-        row(j) * (1.0 - b) + row(j + 1) * b
+            |[i, j]: [usize; 2]| f64::from(self.nodes[(patch.first[1] + j) * self.size[0] + patch.first[0] + i][band]);
+        patch.around([s, t]).map(|(at, weight)| weight * node(at)).iter().sum()
     }
 }
 
@@ -70,10 +60,18 @@ pub fn bake(scene: &Scene, building: &Building) -> (Lighting, LightMap) {
     let (size, patches) = layout(building);
     let work: Vec<(&Panel, Patch)> = building.panels.iter().zip(patches.iter().copied()).collect();
     let direct = in_parallel(&work, |(panel, patch)| direct_nodes(&lighting, panel, *patch));
-    lighting.bounces = bounces(building, &work, &direct);
-    let lit: Vec<(&Panel, Patch, &Vec<Illuminance>)> =
-        work.iter().zip(&direct).map(|((panel, patch), nodes)| (*panel, *patch, nodes)).collect();
-    let total = in_parallel(&lit, |(panel, patch, nodes)| with_bounces(&lighting, panel, *patch, nodes));
+    let reflecting = Reflecting::new(building, &lighting.occluders);
+    let of_reflector = |one: &Reflector| mean_at(one, patches[one.panel], &direct[one.panel]);
+    let first: Vec<Illuminance> = reflecting.all.iter().map(of_reflector).collect();
+    let exitances = reflecting.exitances(&first);
+    let thrown = Thrown { building, occluders: &lighting.occluders, reflecting: &reflecting, exitances: &exitances };
+    let reflected = thrown.over_faces(&work);
+    let ambient = Ambient::new(&thrown);
+    let sum = |(direct, reflected): (&Vec<Illuminance>, &Vec<Illuminance>)| -> Vec<Illuminance> {
+        direct.iter().zip(reflected).map(|(direct, reflected)| direct.plus(1.0, *reflected)).collect()
+    };
+    let total: Vec<Vec<Illuminance>> = direct.iter().zip(&reflected).map(sum).collect();
+    lighting.ambient = ambient;
 
     let mut map = LightMap {
         size,
@@ -146,14 +144,17 @@ fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
 fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illuminance> {
     let shadowing: Vec<_> =
         lighting.sources.iter().map(|source| (source, in_the_way(lighting, source, panel))).collect();
+    let normal = panel.normal();
+    let cells = Cells { panel, normal, step: patch.count.map(|count| 1.0 / (count - 1) as f64) };
     nodes_of(patch)
         .map(|[s, t]| {
             let mut sum = Illuminance::default();
+            let mut between = Between::default();
             for (source, occluders) in &shadowing {
-                let unshadowed = source.illuminance(panel.place(s, t), panel.normal());
+                let unshadowed = source.illuminance(panel.place(s, t), normal);
                 if unshadowed > 0.0 {
-                    let share =
-                        if occluders.is_empty() { 1.0 } else { cell_share(source, occluders, panel, patch, [s, t]) };
+                    let is_open = occluders.is_empty();
+                    let share = if is_open { 1.0 } else { cells.share(source, occluders, [s, t], &mut between) };
                     sum.add(unshadowed * share, source.photons);
                 }
             }
@@ -163,80 +164,78 @@ fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illumin
 }
 
 /// The furniture and walls that may stand between a lamp and a flat face of the building.
-fn in_the_way(lighting: &Lighting, source: &Source, panel: &Panel) -> super::Occluders {
+fn in_the_way(lighting: &Lighting, source: &Source, panel: &Panel) -> Occluders {
     let ends = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[s, t]| source.shape.place(s, t));
     let places: Vec<Point3<f64>> = ends.into_iter().chain(panel.corners()).collect();
     lighting.occluders.among(&places)
 }
 
-/// Share of a lamp that is visible from the cell around a node of the light map, weighted by what each point of the lamp contributes.
-///
-/// Points in the cell are paired with points on the lamp in such a way that the partners of each row, column and diagonal of the one grid are
-/// spread over the whole of the other.
-fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patch: Patch, [s, t]: [f64; 2]) -> f64 {
-    const N: usize = SUB_PLACES;
-    let normal = panel.normal();
-    let step = patch.count.map(|count| 1.0 / (count - 1) as f64);
-    let within = |index: usize| (index as f64 + 0.5) / N as f64 - 0.5;
-    let (mut seen, mut total) = (0.0, 0.0);
-    for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
-        let [s, t] = inside(panel, [s + step[0] * within(i), t + step[1] * within(j)]);
-        let at = panel.place(s, t) + normal * 0.001;
-        // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside.
-        if occluders.contain(at) {
-            continue;
+/// The cells around the light-map nodes of a flat face, over each of which shadows are averaged.
+struct Cells<'a> {
+    panel: &'a Panel,
+    normal: Vector3<f64>,
+    /// Distances between nodes, as shares of the face's sides.
+    step: [f64; 2],
+}
+
+impl Cells<'_> {
+    /// Share of a lamp that is visible from the cell around a node, weighted by what each point of the lamp contributes.
+    ///
+    /// Points in the cell are paired with points on the lamp in such a way that the partners of each row, column and diagonal of the one grid are
+    /// spread over the whole of the other.
+    fn share<'a>(&self, source: &Source, all: &'a Occluders, [s, t]: [f64; 2], between: &mut Between<'a>) -> f64 {
+        const N: usize = SUB_PLACES;
+        // What a point is moved by, off its surface and away from the face's edges.
+        const SLACK_M: f64 = 0.01;
+        let (panel, normal, step) = (self.panel, self.normal, self.step);
+        let lamp = source.shape.place(0.0, 0.0);
+        let cell_m = 0.5 * (panel.along * step[0] + panel.up * step[1]).norm();
+        let lamp_m = (source.shape.place(1.0, 1.0) - lamp).norm();
+        all.between_balls([panel.place(s, t), lamp], [cell_m + SLACK_M, lamp_m + SLACK_M], between);
+        if between.is_empty() {
+            return 1.0;
         }
-        let [u, v] = [2 * i + j, i + 2 * j + 1].map(|place| (place % N) as f64 * 2.0 / N as f64 + 1.0 / N as f64 - 1.0);
-        let to = if let Shape::Point { at, .. } = source.shape { at } else { source.shape.place(u, v) };
-        let weight = super::occlusion::weight(source, at, to, normal);
-        total += weight;
-        if weight > 0.0 && !occluders.block(at, to) {
-            seen += weight;
+        let hair = hair(panel);
+        let at = |i: f64, j: f64| {
+            let s = (s + step[0] * i).clamp(hair[0], 1.0 - hair[0]);
+            let t = (t + step[1] * j).clamp(hair[1], 1.0 - hair[1]);
+            panel.place(s, t) + normal * 0.001
+        };
+        const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let cell = CORNERS.map(|[i, j]| at(0.5 * i, 0.5 * j));
+        if between.hide(&cell, &CORNERS.map(|[u, v]| source.shape.place(u, v))) {
+            return 0.0;
+        }
+        let axis = source.shape.normal();
+        let within = |index: usize| (index as f64 + 0.5) / N as f64 - 0.5;
+        let (mut seen, mut total) = (0.0, 0.0);
+        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+            let at = at(within(i), within(j));
+            // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside.
+            if between.contain(at) {
+                continue;
+            }
+            let on_lamp = |place: usize| (place % N) as f64 * 2.0 / N as f64 + 1.0 / N as f64 - 1.0;
+            let to = source.shape.place(on_lamp(2 * i + j), on_lamp(i + 2 * j + 1));
+            let weight = weight(axis, at, to, normal);
+            total += weight;
+            if weight > 0.0 && !between.block(at, to) {
+                seen += weight;
+            }
+        }
+        if total > 0.0 { seen / total } else { 0.0 }
+    }
+}
+
+/// Mean illuminance over the points of a reflector that nothing covers, given its face's rectangle of the light map and the light at its nodes.
+fn mean_at(reflector: &Reflector, patch: Patch, nodes: &[Illuminance]) -> Illuminance {
+    let mut sum = Illuminance::default();
+    for shares in &reflector.shares {
+        for ([i, j], weight) in patch.around(*shares) {
+            sum = sum.plus(weight, nodes[j * patch.count[0] + i]);
         }
     }
-    if total > 0.0 { seen / total } else { 0.0 }
-}
-
-/// Adds the reflected light to the direct light at the light-map nodes of a flat face. Near furniture, which hides a part of the room from the
-/// face, less is added.
-fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illuminance]) -> Vec<Illuminance> {
-    let normal = panel.normal();
-    nodes_of(patch)
-        .zip(direct)
-        .map(|([s, t], light)| {
-            let [s_inside, t_inside] = inside(panel, [s, t]);
-            let bounced = lighting.bounced(panel.place(s_inside, t_inside), normal, panel.room);
-            light.plus(lighting.occluders.open_share(panel.place(s, t), normal, CORNER_REACH_M), bounced)
-        })
-        .collect()
-}
-
-/// Moves a point of a flat face away from the face's edge by a hair. The edge lies in the planes of the neighbouring faces, where it is undefined
-/// whether they hide it.
-fn inside(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
-    const HAIR_M: f64 = 0.002;
-    let size_m = panel.size_m();
-    [0, 1].map(|axis| {
-        let hair = (HAIR_M / size_m[axis]).min(0.5);
-        shares[axis].clamp(hair, 1.0 - hair)
-    })
-}
-
-fn bounces(building: &Building, work: &[(&Panel, Patch)], direct: &[Vec<Illuminance>]) -> Vec<Bounce> {
-    const PARTS: [Part; 3] = [Part::Floor, Part::Wall, Part::Ceiling];
-    let of_room = |room: usize| {
-        let direct = PARTS.map(|part| mean_over(work, direct, |panel| panel.room == room && panel.part == part));
-        let albedo = PARTS.map(|part| {
-            let panels = || building.panels.iter().filter(move |panel| panel.room == room && panel.part == part);
-            let area_m2: f64 = panels().map(Panel::area_m2).sum();
-            [0, 1].map(|band| {
-                panels().map(|panel| panel.area_m2() * panel.material.albedo[band]).sum::<f64>() / area_m2.max(1e-9)
-            })
-        });
-        RoomLight { direct, albedo }
-    };
-    let light: Vec<RoomLight> = (0..building.rooms.len()).map(of_room).collect();
-    Bounce::in_rooms(&building.rooms, &light, &building.openings)
+    sum.times(1.0 / reflector.shares.len() as f64)
 }
 
 /// Mean illuminance over the area of the panels (flat faces) that `wanted` selects, by the trapezoidal rule.
@@ -252,31 +251,4 @@ fn mean_over(work: &[(&Panel, Patch)], nodes: &[Vec<Illuminance>], wanted: impl 
         area_m2 += panel.area_m2();
     }
     if area_m2 > 0.0 { sum.times(1.0 / area_m2) } else { sum }
-}
-
-/// Positions of the light-map nodes of a flat face, as shares of the face's sides, row by row.
-pub(super) fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
-    let share = |index: usize, count: usize| index as f64 / (count - 1) as f64;
-    (0..patch.count[1])
-        .flat_map(move |j| (0..patch.count[0]).map(move |i| [share(i, patch.count[0]), share(j, patch.count[1])]))
-}
-
-/// Applies `work` to every item, on as many threads as there are cores, and returns the results in the order of the items.
-fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let take = || next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-    let one = || {
-        let indices = std::iter::from_fn(|| Some(take())).take_while(|index| *index < items.len());
-        indices.map(|index| (index, work(&items[index]))).collect::<Vec<_>>()
-    };
-    let mut done: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let handles: Vec<_> = (0..threads).map(|_| scope.spawn(one)).collect();
-        handles
-            .into_iter()
-            .flat_map(|handle| handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    });
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, result)| result).collect()
 }

@@ -13,6 +13,43 @@ pub struct Occluders {
     rooms: Vec<Enclosure>,
 }
 
+/// The boxes and walls that may stand between a point and a face.
+#[derive(Default)]
+pub(super) struct Between<'a> {
+    boxes: Vec<&'a BoxFrame>,
+    walls: Vec<&'a Panel>,
+}
+
+impl Between<'_> {
+    /// Whether nothing can stand there.
+    pub(super) fn is_empty(&self) -> bool {
+        self.boxes.is_empty() && self.walls.is_empty()
+    }
+
+    /// Whether a box or a wall stands on the straight line between two points.
+    #[inline]
+    pub(super) fn block(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
+        self.boxes.iter().any(|one| one.meets(from, to)) || self.walls.iter().any(|wall| wall.meets(from, to))
+    }
+
+    /// Whether a single box stands between any point of one convex flat shape and any point of another, given by their corners: because a box is
+    /// convex too, it does if it stands between all pairs of corners.
+    pub(super) fn hide<const N: usize, const M: usize>(
+        &self,
+        one: &[Point3<f64>; N],
+        other: &[Point3<f64>; M],
+    ) -> bool {
+        let hides = |piece: &&BoxFrame| one.iter().all(|from| other.iter().all(|to| piece.meets(*from, *to)));
+        self.boxes.iter().any(hides)
+    }
+
+    /// Whether a point is inside one of the boxes.
+    #[inline]
+    pub(super) fn contain(&self, at: Point3<f64>) -> bool {
+        self.boxes.iter().any(|one| one.contains(at))
+    }
+}
+
 impl Occluders {
     /// The things that block light in a building: its upright boxes, and its walls if it has several rooms, so that no light passes through walls
     /// from room to room.
@@ -42,6 +79,20 @@ impl Occluders {
         }
     }
 
+    /// Finds the boxes and walls that may stand between two balls, given by their middles and radii. A wall may not if both balls are on one side of
+    /// it.
+    pub(super) fn between_balls<'a>(&'a self, middles: [Point3<f64>; 2], radii_m: [f64; 2], found: &mut Between<'a>) {
+        found.boxes.clear();
+        found.walls.clear();
+        found.boxes.extend(self.boxes.iter().filter(|one| one.may_meet(middles, radii_m)));
+        let separates = |wall: &&Panel| {
+            let normal = wall.normal();
+            let [one_m, other_m] = middles.map(|middle| normal.dot(&(middle - wall.corner)));
+            !(one_m > radii_m[0] && other_m > radii_m[1] || one_m < -radii_m[0] && other_m < -radii_m[1])
+        };
+        found.walls.extend(self.walls.iter().filter(separates));
+    }
+
     /// Whether there is nothing that casts shadows.
     pub fn is_empty(&self) -> bool {
         self.boxes.is_empty() && self.walls.is_empty()
@@ -53,30 +104,26 @@ impl Occluders {
         self.boxes.iter().any(|one| one.meets(from, to)) || self.walls.iter().any(|wall| wall.meets(from, to))
     }
 
+    /// Finds what may stand between a point and any point of a flat rectangle, given by its corners.
+    pub(super) fn towards<'a>(&'a self, at: Point3<f64>, corners: &[Point3<f64>; 4], found: &mut Between<'a>) {
+        found.boxes.clear();
+        found.walls.clear();
+        let low = corners.iter().fold(at, |low, corner| low.inf(corner));
+        let high = corners.iter().fold(at, |high, corner| high.sup(corner));
+        found.boxes.extend(self.boxes.iter().filter(|one| one.reaches(low, high)));
+        let separates = |wall: &&Panel| {
+            let normal = wall.along.cross(&wall.up);
+            let height = |place: &Point3<f64>| normal.dot(&(place - wall.corner));
+            let own = height(&at);
+            corners.iter().any(|corner| height(corner) * own < 0.0)
+        };
+        found.walls.extend(self.walls.iter().filter(separates));
+    }
+
     /// Whether a point is inside one of the boxes.
     #[inline]
     pub fn contain(&self, at: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.contains(at))
-    }
-
-    /// Share of the hemisphere over a point of a surface, weighted by the cosine to the surface's normal, that no box within `reach_m` covers.
-    pub fn open_share(&self, at: Point3<f64>, normal: Vector3<f64>, reach_m: f64) -> f64 {
-        if self.boxes.is_empty() {
-            return 1.0;
-        }
-        const N: usize = 24;
-        let from = at + normal * 0.002;
-        let aside = if normal.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() }.cross(&normal).normalize();
-        let other = normal.cross(&aside);
-        let open = (0..N).filter(|&index| {
-            // The directions are spread evenly over the cosine-weighted hemisphere by the golden angle, with sin²θ uniform.
-            let sine = ((index as f64 + 0.5) / N as f64).sqrt();
-            let (sin, cos) = (index as f64 * 2.399_963).sin_cos();
-            let direction = aside * (sine * cos) + other * (sine * sin) + normal * (1.0 - sine * sine).sqrt();
-            let to = from + direction * reach_m;
-            !self.boxes.iter().any(|one| one.meets(from, to))
-        });
-        open.count() as f64 / N as f64
     }
 
     /// Share of a lamp's light that reaches a point of a surface, computed from `samples` × `samples` points of the lamp.
@@ -87,10 +134,11 @@ impl Occluders {
         let from = at + normal * 0.001;
         let n = if let Shape::Point { .. } = source.shape { 1 } else { samples };
         let place = |index: usize| (2 * index + 1) as f64 / n as f64 - 1.0;
+        let axis = source.shape.normal();
         let (mut seen, mut total) = (0.0, 0.0);
         for (s, t) in (0..n).flat_map(|i| (0..n).map(move |j| (place(i), place(j)))) {
             let to = source.shape.place(s, t);
-            let weight = weight(source, from, to, normal);
+            let weight = weight(axis, from, to, normal);
             total += weight;
             if weight > 0.0 && !self.block(from, to) {
                 seen += weight;
@@ -100,11 +148,12 @@ impl Occluders {
     }
 }
 
-/// Relative contribution of one point of a lamp to the illuminance at a point of a surface: cos θ·cos θ'/d².
+/// Relative contribution of one point of a lamp to the illuminance at a point of a surface: cos θ·cos θ'/d². The lamp shines along `axis`, or in all
+/// directions.
 #[inline]
-pub(super) fn weight(source: &Source, at: Point3<f64>, place: Point3<f64>, normal: Vector3<f64>) -> f64 {
+pub(super) fn weight(axis: Option<Vector3<f64>>, at: Point3<f64>, place: Point3<f64>, normal: Vector3<f64>) -> f64 {
     let way = place - at;
     let square = way.norm_squared();
-    let shining = source.shape.normal().map_or(1.0, |axis| (-axis.dot(&way)).max(0.0) / square.sqrt());
+    let shining = axis.map_or(1.0, |axis| (-axis.dot(&way)).max(0.0) / square.sqrt());
     normal.dot(&way).max(0.0) * shining / (square * square.sqrt())
 }

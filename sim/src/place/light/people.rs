@@ -5,7 +5,7 @@ use nalgebra::{Point2, Point3, Vector3};
 use super::{
     LightMap, Lighting, Patch, Source,
     footprint::{Around, footprint},
-    lightmap::nodes_of,
+    nodes::nodes_of,
 };
 use crate::place::building::{Panel, UprightBody};
 

@@ -104,16 +104,25 @@ impl Source {
 ///
 /// The part of the polygon below the surface is cut off.
 pub fn polygon_irradiance(corners: &[Vector3<f64>], normal: Vector3<f64>) -> f64 {
-    let above = above_horizon(corners, normal);
-    let sides = above.iter().zip(above.iter().cycle().skip(1));
-    let sum: f64 = sides
-        .map(|(from, to)| {
-            let cross = from.cross(to);
-            let length = cross.norm();
-            // A side of the polygon that is in line with the point of the surface subtends no angle.
-            if length == 0.0 { 0.0 } else { length.atan2(from.dot(to)) * cross.dot(&normal) / length }
-        })
-        .sum();
+    if corners.iter().all(|corner| normal.dot(corner) > 0.0) {
+        return visible_irradiance(corners, normal);
+    }
+    visible_irradiance(&above_horizon(corners, normal), normal)
+}
+
+/// Irradiance from a convex polygon of unit radiance that lies above the surface as a whole.
+fn visible_irradiance(corners: &[Vector3<f64>], normal: Vector3<f64>) -> f64 {
+    let Some(mut from) = corners.last() else { return 0.0 };
+    let mut sum = 0.0;
+    for to in corners {
+        let cross = from.cross(to);
+        let length = cross.norm_squared().sqrt();
+        // A side of the polygon that is in line with the point of the surface subtends no angle.
+        if length > 0.0 {
+            sum += length.atan2(from.dot(to)) * cross.dot(&normal) / length;
+        }
+        from = to;
+    }
     0.5 * sum.abs()
 }
 
