@@ -9,7 +9,7 @@ MSRV = 1.89
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python driver build \
+.PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python ray test-ray driver build \
 	msrv features deny package book site archive check-tag release-notes
 
 help:
@@ -32,6 +32,8 @@ help:
 	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
 	@echo "make python        build the Python package as a wheel; PYTHON=…"
 	@echo "make test-python   test the Python package and its examples; PYTHON=…"
+	@echo "make test-ray      test sweeps on a Ray cluster of nodes on this machine, where Python has ray; PYTHON=…"
+	@echo "make ray           sweep on such a cluster with killed nodes, and measure what Ray costs: half an hour; PYTHON=…"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 	@echo "make msrv          check all crates with the oldest compiler that is supported"
 	@echo "make features      check the crates with each set of features"
@@ -126,6 +128,12 @@ python:
 
 test-python: driver
 	@PYTHON=$(PYTHON) scripts/python test
+
+test-ray: driver build
+	WHEREIN=$(WHEREIN) $(PYTHON) -m pytest python/tests/test_ray.py
+
+ray: driver build
+	$(PYTHON) scripts/ray_trial --wherein $(WHEREIN)
 
 driver:
 	@scripts/driver

@@ -1,0 +1,171 @@
+"""Sweeps on a Ray cluster of nodes on this machine: scripts/ray_sweep.
+
+The environment variable WHEREIN names the program, by default that of the last build.
+"""
+
+import importlib.machinery
+import importlib.util
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+pytest.importorskip("ray.cluster_utils", reason="the Python package ray is not installed")
+
+ROOT = pathlib.Path(__file__).parents[2]
+PROGRAM = os.path.abspath(os.environ.get("WHEREIN", ROOT / "target/debug/wherein"))
+SCRIPT = ROOT / "scripts/ray_sweep"
+# Blind, so that a run takes a tenth of a second; longer ones take 2 s, which leaves time to stop or kill something.
+SCENE, LONG = "scenes/gnss.toml", ["--vary", "duration_s=40", "--seeds", "0..6"]
+
+if not os.path.exists(PROGRAM):
+    pytest.skip(f"found no program {PROGRAM}", allow_module_level=True)
+
+
+def load(name):
+    """Returns a script of the folder scripts as a module."""
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    sys.modules[name] = module
+    loader.exec_module(module)
+    return module
+
+
+trial = load("ray_trial")
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """Three nodes of one core; tests that kill one start another."""
+    with trial.LocalCluster(3) as cluster:
+        yield cluster
+
+
+def alone(out, *options):
+    """Runs a sweep by the program itself, and returns its folder."""
+    subprocess.run([PROGRAM, "sweep", SCENE, *options, "--out", out], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    return out
+
+
+def start(cluster, out, *options, scene=SCENE):
+    """Starts a sweep on the cluster, and returns its process."""
+    command = [sys.executable, SCRIPT, scene, *options, "--out", out, "--address", cluster.address]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    return subprocess.Popen([*command, "--program", PROGRAM], cwd=ROOT, text=True, **pipes)
+
+
+def finish(running):
+    """Waits for a sweep, and returns its exit code and what it said."""
+    out, said = running.communicate(timeout=240)
+    return running.returncode, out + said
+
+
+def wait_for(what, limit_s=60):
+    """Waits until `what` returns something true."""
+    end = time.monotonic() + limit_s
+    while not what():
+        assert time.monotonic() < end, "waited too long"
+        time.sleep(0.02)
+
+
+def test_a_cluster_leaves_the_bytes_of_one_machine(cluster, tmp_path):
+    varied = ["--vary", "duration_s=1,2", "--seeds", "0..4"]
+    code, said = finish(start(cluster, tmp_path / "shared", *varied))
+    assert code == 0, said
+    assert trial.differences(alone(tmp_path / "alone", *varied), tmp_path / "shared") == []
+
+
+def test_shards_of_several_cases_leave_the_same_bytes(cluster, tmp_path):
+    varied = ["--vary", "duration_s=1,2", "--seeds", "0..5"]
+    code, said = finish(start(cluster, tmp_path / "shared", *varied, "--cases-per-task", "4"))
+    assert code == 0, said
+    assert trial.differences(alone(tmp_path / "alone", *varied), tmp_path / "shared") == []
+
+
+def test_recorded_cases_do_not_run_again_and_damaged_ones_do(cluster, tmp_path):
+    varied = ["--vary", "duration_s=1", "--seeds", "0..4"]
+    folder = alone(tmp_path / "shared", *varied)
+    before = {case: (case / "timing.json").read_bytes() for case in (folder / "cases").iterdir()}
+    damaged = min(before)
+    (damaged / "steps.csv").write_text("damaged")
+    code, said = finish(start(cluster, folder, *varied))
+    assert code == 0 and "1 cases run" in said and "3 recorded earlier" in said, said
+    assert all((case / "timing.json").read_bytes() == timing for case, timing in before.items() if case != damaged)
+    assert trial.differences(alone(tmp_path / "alone", *varied), folder) == []
+
+
+def test_a_killed_driver_goes_on_where_it_stopped(cluster, tmp_path):
+    running = start(cluster, tmp_path / "shared", *LONG)
+    wait_for(lambda: trial.n_recorded(tmp_path / "shared") >= 2)
+    running.send_signal(signal.SIGKILL)
+    running.communicate()
+    code, said = finish(start(cluster, tmp_path / "shared", *LONG))
+    assert code == 0 and " 0 recorded earlier" not in said, said
+    assert trial.differences(alone(tmp_path / "alone", *LONG), tmp_path / "shared") == []
+
+
+def test_the_report_of_a_sweep_that_runs_names_the_missing_cases(cluster, tmp_path):
+    running = start(cluster, tmp_path / "shared", *LONG)
+    wait_for(lambda: trial.n_recorded(tmp_path / "shared") >= 1)
+    partial = subprocess.run([PROGRAM, "report", tmp_path / "shared"], stdout=subprocess.DEVNULL)
+    rows = (tmp_path / "shared/results.csv").read_text()
+    assert partial.returncode == 2 and ",done," in rows and ",missing," in rows
+    assert finish(running)[0] == 0
+
+
+def test_cases_of_a_killed_node_run_elsewhere(tmp_path):
+    with trial.LocalCluster(3) as cluster:
+        running = start(cluster, tmp_path / "shared", *LONG)
+        wait_for(lambda: trial.n_recorded(tmp_path / "shared") >= 1)
+        cluster.kill_node()
+        code, said = finish(running)
+    assert code == 0 and "is run again: its node or worker died" in said, said
+    assert trial.differences(alone(tmp_path / "alone", *LONG), tmp_path / "shared") == []
+
+
+def test_a_stopped_worker_loses_its_case_to_another(cluster, tmp_path):
+    running = start(cluster, tmp_path / "shared", *LONG, "--case-timeout-s", "15")
+    wait_for(trial.stop_worker)
+    code, said = finish(running)
+    assert code == 0 and "did not answer" in said, said
+    assert trial.differences(alone(tmp_path / "alone", *LONG), tmp_path / "shared") == []
+
+
+def test_a_case_over_its_limit_is_tried_again_and_then_given_up(cluster, tmp_path):
+    options = ["--vary", "duration_s=1,3000", "--case-timeout-s", "4", "--retries", "1"]
+    code, said = finish(start(cluster, tmp_path / "shared", *options))
+    assert code == 2 and "is run again: it took longer than 4 s" in said and "in 2 attempts" in said, said
+    rows = (tmp_path / "shared/results.csv").read_text()
+    assert rows.count(",done,") == 1 and rows.count(",missing,") == 1
+
+
+def test_a_wrong_scene_is_refused_in_the_words_of_the_program_before_a_cluster_is_sought(cluster, tmp_path):
+    said = subprocess.run(
+        [PROGRAM, "sweep", SCENE, "--vary", "floor.frictoin=1", "--out", tmp_path],
+        cwd=ROOT,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    cluster = type("Nowhere", (), {"address": "nowhere:1"})
+    assert finish(start(cluster, tmp_path, "--vary", "floor.frictoin=1")) == (2, said.stderr)
+
+
+def test_files_that_a_scene_extends_and_names_travel(cluster, tmp_path):
+    folder = tmp_path / "elsewhere" / "scenes"
+    folder.mkdir(parents=True)
+    (folder / "base.toml").write_text((ROOT / SCENE).read_text())
+    (folder / "short.toml").write_text('extends = "base.toml"\nduration_s = 1\n')
+    code, said = finish(start(cluster, tmp_path / "shared", scene=str(folder / "short.toml")))
+    assert code == 0, said
+
+
+def test_two_drivers_do_not_write_into_one_folder(cluster, tmp_path):
+    running = start(cluster, tmp_path / "shared", *LONG)
+    wait_for(lambda: (tmp_path / "shared/sweep.json").exists())
+    code, said = finish(start(cluster, tmp_path / "shared", *LONG))
+    assert code == 2 and f"process {running.pid} is sweeping into it" in said, said
+    assert finish(running)[0] == 0
