@@ -93,7 +93,7 @@ def test_recorded_cases_do_not_run_again_and_damaged_ones_do(cluster, tmp_path):
     damaged = min(before)
     (damaged / "steps.csv").write_text("damaged")
     code, said = finish(start(cluster, folder, *varied))
-    assert code == 0 and "1 cases run" in said and "3 recorded earlier" in said, said
+    assert code == 0 and "1 case run" in said and "3 recorded earlier" in said, said
     assert all((case / "timing.json").read_bytes() == timing for case, timing in before.items() if case != damaged)
     assert trial.differences(alone(tmp_path / "alone", *varied), folder) == []
 
