@@ -87,10 +87,22 @@ pub(crate) enum Seen {
     Joints(Vec<Joint>),
     /// Level edges, which run along a direction of the building or are clutter.
     Edges(Vec<Edge>),
-    /// Places of coded landmarks in the robot frame: code, place, covariance.
-    Landmarks(Vec<(u32, Vector2<f64>, Matrix2<f64>)>),
+    /// Coded landmarks that a range camera sees.
+    Landmarks(Vec<Landmark>),
     /// Position of a point of the robot in the world: where it is in the robot frame, where in the world, standard deviation of either coordinate.
     Position { in_robot_m: [f64; 2], in_world_m: [f64; 2], sigma_m: f64 },
+}
+
+/// A coded landmark in the robot frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Landmark {
+    pub(crate) code: u32,
+    /// Place by the nominal mount and scale.
+    pub(crate) in_robot_m: Vector2<f64>,
+    /// Vector from the camera to it: where the camera's distances are a share too long, the place is off by this share of it.
+    pub(crate) ray_m: Vector2<f64>,
+    /// Covariance of the errors that differ from reading to reading.
+    pub(crate) covariance: Matrix2<f64>,
 }
 
 /// Makes measurements of readings.
@@ -172,6 +184,11 @@ impl Cues {
             Mounted::RangeCamera => self.range.as_ref().map(Range::mount),
             Mounted::Antenna => self.receiver.as_ref().map(Receiver::mount),
         }
+    }
+
+    /// Standard deviation of the share by which all distances of the range camera are wrong in the same way; `None` without one.
+    pub(crate) fn range_scale_sigma(&self) -> Option<f64> {
+        self.range.as_ref().map(Range::scale_sigma)
     }
 
     /// Directions of the building's walls, modulo quarter turns.

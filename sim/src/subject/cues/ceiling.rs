@@ -44,10 +44,14 @@ impl Ceiling {
         })
     }
 
-    /// Position and yaw of the camera, and the tilt of its mount, which moves the picture of a ceiling at one height like a wrong position.
+    /// Position and yaw of the camera, and what moves the picture of a ceiling at one height like a wrong position: the tilt of its mount and a wrong
+    /// principal point.
     pub(crate) fn mount(&self) -> Mount {
-        let tilted_m = self.camera.tilt_rad * self.up_m();
-        let along = |axis: usize| SIGMAS_OF_BOUND * (0.5 * self.camera.position_m[axis].width()).hypot(tilted_m);
+        let camera = &self.camera;
+        let tilted_m = camera.tilt_rad * self.up_m();
+        let off_m = |axis: usize| 0.5 * camera.centre_px[axis].width() * self.up_m() / camera.focal_px[axis].mid();
+        let seen_off_m = tilted_m.hypot(off_m(0).max(off_m(1)));
+        let along = |axis: usize| SIGMAS_OF_BOUND * (0.5 * camera.position_m[axis].width()).hypot(seen_off_m);
         Mount { sigma: [along(0), along(1), SIGMAS_OF_BOUND * 0.5 * self.camera.yaw_rad.width()] }
     }
 
@@ -69,7 +73,8 @@ impl Ceiling {
         let placed: &PlacedMarker = self.map.markers.iter().find(|placed| placed.id == seen.id)?;
         let dots: Vec<_> = seen.dots.iter().map(|(place, dot)| (*place, dot.centre_px)).collect();
         let bound_px = seen.dots.iter().map(|(_, dot)| dot.bound_px).sum::<f64>() / seen.dots.len() as f64;
-        let sigma_m = SIGMAS_OF_BOUND * (bound_px * self.up_m() / self.camera.focal_px[0].mid() + self.map.print_m);
+        let sigma_m =
+            SIGMAS_OF_BOUND * (bound_px * self.up_m() / self.camera.focal_px[0].mid()).hypot(self.map.print_m);
         Some(Marker { pairs: dot_pairs(&dots, placed, &self.camera)?, centre_m: placed.centre_m.into(), sigma_m })
     }
 

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::{scene::Scene, subject::half_turn};
 
-use super::{Cues, Edge, Joint, Mount, Mounted, Seen, Told, heading_of, turned};
+use super::{Cues, Edge, Joint, Landmark, Mount, Mounted, Seen, Told, heading_of, turned};
 
 /// Standard deviations of a predicted place of a joint that half the distance between joints must hold for the nearest joint to be taken for the one
 /// that is seen: with fewer, a filter may follow the wrong tile for ever.
@@ -83,7 +83,12 @@ impl CueReader {
             Seen::Joints(joints) => joints.into_iter().map(|joint| cue(What::Joint(joint))).collect(),
             Seen::Edges(edges) => vec![cue(What::Walls(edges))],
             Seen::Landmarks(landmarks) => {
-                let landmark = |(code, in_robot_m, covariance)| cue(What::Landmark { code, in_robot_m, covariance });
+                let scale_sigma = self.cues.range_scale_sigma().unwrap_or(0.0);
+                let landmark = |Landmark { code, in_robot_m, ray_m, covariance }| {
+                    let scaled_m = ray_m * scale_sigma;
+                    let covariance = covariance + scaled_m * scaled_m.transpose();
+                    cue(What::Landmark { code, in_robot_m, covariance })
+                };
                 landmarks.into_iter().map(landmark).collect()
             }
             Seen::Position { in_robot_m, in_world_m, sigma_m } => {

@@ -1,5 +1,6 @@
 //! Places of coded landmarks in the robot frame, by a range camera.
 
+use interval::Interval;
 use localizer::{
     Reading, RobotModel,
     motion::Twist,
@@ -8,7 +9,7 @@ use localizer::{
 };
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Mount, SIGMAS_OF_BOUND, Seen, stray, turned};
+use super::{Landmark, Mount, SIGMAS_OF_BOUND, Seen, stray, turned};
 
 /// Landmarks as the range camera sees them.
 pub(crate) struct Range {
@@ -24,10 +25,17 @@ impl Range {
         Some(Range { camera: robot.range_camera.clone()?, body: robot.body })
     }
 
-    /// Position and yaw of the camera.
+    /// Position and yaw of the camera, and the tilt of its mount, which moves all landmarks of one height like a wrong position.
     pub(crate) fn mount(&self) -> Mount {
-        let [forward_m, left_m] = self.camera.position_m.map(|side| 0.5 * side.width());
-        Mount { sigma: [forward_m, left_m, 0.5 * self.camera.yaw_rad.width()].map(|bound| SIGMAS_OF_BOUND * bound) }
+        let tilted_m = self.camera.tilt_rad * self.camera.height_span_m;
+        let along = |axis: usize| SIGMAS_OF_BOUND * (0.5 * self.camera.position_m[axis].width()).hypot(tilted_m);
+        Mount { sigma: [along(0), along(1), SIGMAS_OF_BOUND * 0.5 * self.camera.yaw_rad.width()] }
+    }
+
+    /// Standard deviation of the share by which all distances are wrong in the same way: focal length and baseline scale them.
+    pub(crate) fn scale_sigma(&self) -> f64 {
+        let share = |of: Interval| 0.5 * of.width() / of.mid();
+        SIGMAS_OF_BOUND * share(self.camera.focal_px).hypot(share(self.camera.baseline_m))
     }
 
     pub(crate) fn look(&self, reading: &Reading, twist: &Twist) -> Option<Seen> {
@@ -36,7 +44,7 @@ impl Range {
     }
 
     /// With u and w the columns from the centre: z = f·b/(u − w) ahead and x = b·u/(u − w) to the right.
-    fn place(&self, sighting: &Sighting, twist: &Twist) -> Option<(u32, Vector2<f64>, Matrix2<f64>)> {
+    fn place(&self, sighting: &Sighting, twist: &Twist) -> Option<Landmark> {
         let camera = &self.camera;
         let [u_px, w_px] = [sighting.left_px, sighting.right_px].map(|column| column - camera.centre_px);
         let sigma_px = camera.step_px.map(|step_px| SIGMAS_OF_BOUND * 0.5 * step_px);
@@ -56,15 +64,12 @@ impl Range {
         let turn = Matrix2::new(cos, -sin, sin, cos) * by_columns;
         let columns =
             turn * Matrix2::from_diagonal(&Vector2::new(sigma_px[0].powi(2), sigma_px[1].powi(2))) * turn.transpose();
-        // Focal length and baseline scale what is seen along the ray; a lean moves it by the landmark's height, and the camera by its own.
-        let scale = (0.5 * camera.focal_px.width() / focal_px).hypot(0.5 * camera.baseline_m.width() / base_m);
-        let along = ahead * (SIGMAS_OF_BOUND * scale);
-        let tilt_rad = self.body.tilt_rad + camera.tilt_rad;
-        let leant_m = SIGMAS_OF_BOUND * (camera.height_span_m * tilt_rad).hypot(camera.height_m * self.body.tilt_rad);
+        // A lean of the body moves the landmark by its height above the floor.
+        let leant_m = SIGMAS_OF_BOUND * self.body.tilt_rad * camera.height_span_m.hypot(camera.height_m);
         let [stray_m, stray_rad] = stray(twist, camera.stamp_error_s);
         let aside = Vector2::new(-place.y, place.x) * stray_rad;
         let all_m2 = leant_m.powi(2) + stray_m.powi(2);
-        let covariance = columns + along * along.transpose() + aside * aside.transpose() + Matrix2::identity() * all_m2;
-        Some((sighting.landmark.0, place, covariance))
+        let covariance = columns + aside * aside.transpose() + Matrix2::identity() * all_m2;
+        Some(Landmark { code: sighting.landmark.0, in_robot_m: place, ray_m: ahead, covariance })
     }
 }

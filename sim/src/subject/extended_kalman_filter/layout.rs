@@ -22,6 +22,8 @@ pub(crate) struct Layout {
     pub(crate) changing: Vec<(usize, f64)>,
     /// Errors of the mounts that last: forward, left, turn.
     mounts: [Option<usize>; Mounted::ALL.len()],
+    /// Share by which all distances of the range camera are too long.
+    pub(crate) range_scale: Option<usize>,
     /// Pose at the beginning of the present window of motion, where several sensors measure the motion.
     pub(crate) past: Option<usize>,
     /// Standard deviations at the start of all quantities, those of the pose left 0.
@@ -70,10 +72,11 @@ impl Layout {
             let mount = cues.mount(mounted)?;
             Some(add(&mount.sigma.map(|sigma| (0.0, sigma / SIGMAS_OF_BOUND))))
         });
+        let range_scale = cues.range_scale_sigma().map(|sigma| add(&[(0.0, sigma / SIGMAS_OF_BOUND)]));
         let past = (gyro.is_some() || flow.is_some()).then(|| add(&[(0.0, 0.0); 3]));
         let changing =
             flow.iter().map(|[_, change, _]| *change).chain(slip).map(|place| (place, sigma[place])).collect();
-        Layout { gyro, flow, wheels: wheels_at, slip, changing, mounts, past, sigma, mean }
+        Layout { gyro, flow, wheels: wheels_at, slip, changing, mounts, range_scale, past, sigma, mean }
     }
 
     /// Place of the mount's errors of a device.

@@ -1,10 +1,10 @@
 //! How each kind of measurement changes the filter's belief.
 
 use localizer::map::TileGrid;
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3};
 
 use crate::subject::{
-    cues::{Edge, Joint, Mounted, Seen, heading_of, turned},
+    cues::{Edge, Joint, Landmark, Mounted, Seen, heading_of, turned},
     half_turn,
 };
 
@@ -81,8 +81,8 @@ pub(crate) fn measure(belief: &mut Belief, mounted: Mounted, seen: &Seen, known:
         }
         Seen::Edges(edges) => see_edges(belief, mounted, edges, known),
         Seen::Landmarks(landmarks) => {
-            for (code, place, covariance) in landmarks {
-                see_landmark(belief, mounted, *code, *place, &(covariance * scale), known);
+            for landmark in landmarks {
+                see_landmark(belief, mounted, landmark, known);
             }
         }
         Seen::Position { in_robot_m, in_world_m, sigma_m } => {
@@ -122,21 +122,19 @@ fn see_edges(belief: &mut Belief, mounted: Mounted, edges: &[Edge], known: &Know
     belief.update(std::slice::from_ref(row), &DVector::from_element(1, residual_rad), &noise);
 }
 
-fn see_landmark(
-    belief: &mut Belief,
-    mounted: Mounted,
-    code: u32,
-    in_robot_m: Vector2<f64>,
-    covariance: &Matrix2<f64>,
-    known: &Known<'_>,
-) {
+fn see_landmark(belief: &mut Belief, mounted: Mounted, landmark: &Landmark, known: &Known<'_>) {
     let apparent = Apparent::of(belief, known.layout, mounted);
-    let (place, mut rows) = apparent.place(in_robot_m.into());
+    let scale = known.layout.range_scale.map_or(0.0, |at| belief.mean[at]);
+    let (place, mut rows) = apparent.place((landmark.in_robot_m - landmark.ray_m * scale).into());
     let (sin, cos) = apparent.pose[2].sin_cos();
     let turn = Matrix2::new(cos, -sin, sin, cos);
-    let noise = turn * covariance * turn.transpose();
-    let Some(at) = belief.landmark(code) else {
-        belief.add_landmark(code, place, &rows, &noise);
+    if let Some(at) = known.layout.range_scale {
+        let by_scale = turn * -landmark.ray_m;
+        rows.iter_mut().zip(by_scale.iter()).for_each(|(row, slope)| row.push((at, *slope)));
+    }
+    let noise = turn * landmark.covariance * turn.transpose() * known.tuning.cues.powi(2);
+    let Some(at) = belief.landmark(landmark.code) else {
+        belief.add_landmark(landmark.code, place, &rows, &noise);
         return;
     };
     // The landmark is compared in the world: where it is believed to be, less where it is seen.

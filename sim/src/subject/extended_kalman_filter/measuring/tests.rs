@@ -1,5 +1,9 @@
 use std::f64::consts::PI;
 
+use nalgebra::Vector2;
+
+use crate::scene::Scene;
+
 use super::{
     super::tests::{filter, wide, yard},
     *,
@@ -77,14 +81,47 @@ fn a_joint_counts_only_where_no_other_joint_can_be_meant() {
     assert!((x_m_with(0.048) - by_hand).abs() < 1e-9, "{} instead of {by_hand}", x_m_with(0.048));
 }
 
+/// Landmark 7 seen straight ahead of a camera in the robot's origin.
+fn ahead(ahead_m: f64, variance_m2: f64) -> Landmark {
+    let in_robot_m = Vector2::new(ahead_m, 0.0);
+    Landmark { code: 7, in_robot_m, ray_m: in_robot_m, covariance: Matrix2::from_diagonal_element(variance_m2) }
+}
+
+#[test]
+fn a_landmark_from_two_known_places_tells_the_scale_of_the_range_camera() {
+    let text = "duration_s = 5.0\n[room]\nwidth_m = 12.0\ndepth_m = 8.0\n[start]\nx_m = 2.0\ny_m = 2.0\n[robot]\n\
+                floor_camera = false\n[robot.range_camera]\n[localizer]\nmethods = [\"range_landmarks\"]\n\
+                [[route.waypoint]]\nx_m = 4.0\ny_m = 2.0\n";
+    let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let layout = filter(&scene).layout;
+    let scale = layout.range_scale.unwrap();
+    let mut belief = Belief::start(&layout, &scene.start_box());
+    belief.mean.fill(0.0);
+    belief.covariance.fill(0.0);
+    belief.covariance[(scale, scale)] = 1e-4;
+    let see = |belief: &mut Belief, ahead_m: f64| {
+        let seen = Seen::Landmarks(vec![ahead(ahead_m, 1e-10)]);
+        measure(belief, Mounted::RangeCamera, &seen, &known(&layout, None));
+    };
+    // Distances are 1 % too long: the landmark is 2.02 and, from 1 m farther ahead, 1.01 m away for 2 and 1 m.
+    see(&mut belief, 2.02);
+    belief.mean[0] = 1.0;
+    see(&mut belief, 1.01);
+    let landmark_m = belief.mean[belief.landmark(7).unwrap()];
+    // To first order in the scale: 2.02·(1 − s) = 1 + 1.01·(1 − s).
+    assert!((belief.mean[scale] - 0.01 / 1.01).abs() < 1e-5, "{}", belief.mean[scale]);
+    assert!((landmark_m - 2.0).abs() < 1e-5, "{landmark_m}");
+    assert!(belief.covariance[(scale, scale)].sqrt() < 1e-4);
+}
+
 #[test]
 fn a_landmark_seen_again_is_as_uncertain_as_it_was_first_seen() {
     let (layout, mut belief) = (filter(&yard()).layout, wide());
     belief.covariance.row_mut(2).fill(0.0);
     belief.covariance.column_mut(2).fill(0.0);
     let see = |belief: &mut Belief, ahead_m: f64| {
-        let sighting = (7, Vector2::new(ahead_m, 0.0), Matrix2::from_diagonal_element(0.25));
-        measure(belief, Mounted::RangeCamera, &Seen::Landmarks(vec![sighting]), &known(&layout, None));
+        let seen = Seen::Landmarks(vec![ahead(ahead_m, 0.25)]);
+        measure(belief, Mounted::RangeCamera, &seen, &known(&layout, None));
     };
     see(&mut belief, 2.0);
     // The robot moves, with the variance 1 along x.
