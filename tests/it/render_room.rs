@@ -385,6 +385,56 @@ fn a_floor_camera_sees_the_edge_of_a_carpet() {
 }
 
 #[test]
+fn both_renderers_see_the_edge_of_a_turned_carpet_where_it_lies() {
+    // A carpet of 1 m by 0.6 m, turned by 30° about its middle: the middle of its far edge is at (2, 1.5), in the middle of the picture.
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let [x_m, y_m] = [2.0 - 0.5 * cos, 1.5 - 0.5 * sin];
+    let carpet = format!(
+        "[light]\nunevenness_ratio = 1.0\n[[floor.region]]\nname = \"carpet\"\nx_m = [{}, {}]\ny_m = [{}, {}]\n\
+         rotation_deg = 30\nfriction = 0.7\ncovering = \"carpet\"\n",
+        x_m - 0.5,
+        x_m + 0.5,
+        y_m - 0.3,
+        y_m + 0.3
+    );
+    let scene = black_room(&carpet);
+    let mut renderer = renderer();
+    for shows in [Shows::Floor, Shows::Room] {
+        let drawn = Drawn::draw(&scene, 0);
+        let world = match shows {
+            Shows::Floor => renderer.upload(&scene, &drawn).unwrap(),
+            _ => renderer.upload_room(&scene, &drawn).unwrap(),
+        };
+        let view = View {
+            illuminance_at_floor_lux: 100.0,
+            shows,
+            ..quiet_view(Lens::ideal([64, 64], 80.0), vec![looking_down(2.0, 1.5, 0.25)], 15.0)
+        };
+        let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+        // The picture is 0.2 m wide and high. Blocks of 8 × 8 pixels beside the edge are carpet, albedo 0.22, or screed, albedo 0.4; a carpet's pile
+        // varies from pixel to pixel.
+        let (mut carpet, mut screed) = (Vec::new(), Vec::new());
+        for (u, v) in (0..64).step_by(8).flat_map(|u| (0..64).step_by(8).map(move |v| (u, v))) {
+            let pixels = (0..64).map(|k| level(&image, u + k % 8, v + k / 8));
+            let block = pixels.sum::<f64>() / 64.0;
+            let beyond_px = (f64::from(u) - 28.0) * cos - (f64::from(v) - 28.0) * sin;
+            // Corners of a block are up to 5.7 pixels from its middle.
+            match beyond_px {
+                beyond_px if beyond_px < -5.7 => carpet.push(block),
+                beyond_px if beyond_px > 5.7 => screed.push(block),
+                _ => {}
+            }
+        }
+        let mean = |levels: &[f64]| levels.iter().sum::<f64>() / levels.len() as f64;
+        let between = (mean(&carpet) + mean(&screed)) / 2.0;
+        assert!(carpet.len() > 20 && screed.len() > 20);
+        assert!(carpet.iter().all(|level| *level < between), "{shows:?}: {carpet:?}");
+        assert!(screed.iter().all(|level| *level > between), "{shows:?}: {screed:?}");
+        assert!(mean(&carpet) / mean(&screed) < 0.65, "{shows:?}: {} and {}", mean(&carpet), mean(&screed));
+    }
+}
+
+#[test]
 fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();

@@ -147,6 +147,20 @@ fn an_unknown_region_is_refused_with_the_nearest_right_one() {
 }
 
 #[test]
+fn a_region_that_is_turned_out_of_the_room_is_refused() {
+    let region = |deg: f64| {
+        let more = format!(
+            "[[floor.region]]\nname = \"rug\"\nx_m = [0.1, 1.1]\ny_m = [0.1, 0.3]\nrotation_deg = {deg}\nfriction = 0.4\n"
+        );
+        blind_scene(10.0, &more)
+    };
+    // The middle is at (0.6, 0.2). Turned by a right angle, the rug reaches from y = −0.3 to 0.7 m.
+    let expected = ["`floor.region[0].rotation_deg = 90", "outside the room", "[0, 0] to [3, "];
+    assert_refused("turned", region(90.0), &expected);
+    assert!(sim::scene::Scene::parse(&region(180.0), "scene.toml").is_ok());
+}
+
+#[test]
 fn an_unknown_figure_in_expect_is_refused_with_the_nearest_right_one() {
     let scene = blind_scene(10.0, "[expect]\navailabilty_min = 0.9\n");
     assert_refused("figure", scene, &["`expect.availabilty_min = 0.9`", "unknown figure", "`availability_min`"]);

@@ -217,6 +217,18 @@ fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
                 found.push(Contradiction { key: format!("floor.region[{index}].{name}"), expected });
             }
         }
+        let is_within = |at_m: &[f64; 2]| (0..2).all(|axis| (0.0..=room_m[axis]).contains(&at_m[axis]));
+        let is_upright = region.rotation_deg == 0.0;
+        if let Some([x_m, y_m]) = region.corners_m().iter().find(|at_m| !is_upright && !is_within(at_m)) {
+            let expected = format!(
+                "turns a corner to [{}, {}], outside the room, expected corners within [0, 0] to [{}, {}]",
+                short(*x_m),
+                short(*y_m),
+                room_m[0],
+                room_m[1]
+            );
+            found.push(Contradiction { key: format!("floor.region[{index}].rotation_deg"), expected });
+        }
         if region.height_m > GREATEST_SLOPE * region.ramp_m {
             let expected = format!(
                 "expected at least {}, as ramps rise by at most {GREATEST_SLOPE}",

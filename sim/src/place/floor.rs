@@ -34,9 +34,7 @@ pub(crate) struct Floor {
 
 #[derive(Clone, Debug)]
 struct Patchwork {
-    x_m: [f64; 2],
-    y_m: [f64; 2],
-    ramp_m: f64,
+    region: Region,
     /// Properties of the floor well inside the region, where the ramps at the region's edges have ended.
     ground: Ground,
 }
@@ -81,10 +79,8 @@ impl Floor {
 
     /// Properties of the floor at a point of the world. Where regions overlap, the last one listed holds.
     pub(crate) fn at(&self, x_m: f64, y_m: f64) -> Ground {
-        let covers = |region: &&Patchwork| {
-            region.x_m[0] <= x_m && x_m <= region.x_m[1] && region.y_m[0] <= y_m && y_m <= region.y_m[1]
-        };
-        self.regions.iter().rev().find(covers).map_or(self.elsewhere, |region| region.at([x_m, y_m]))
+        let covers = |patch: &&Patchwork| patch.region.covers([x_m, y_m]);
+        self.regions.iter().rev().find(covers).map_or(self.elsewhere, |patch| patch.at([x_m, y_m]))
     }
 }
 
@@ -101,25 +97,28 @@ impl Patchwork {
             pile_height_m: region.pile_height_m,
             flow_dropout: region.flow_dropout.unwrap_or(elsewhere.flow_dropout),
         };
-        Patchwork { x_m: region.x_m, y_m: region.y_m, ramp_m: region.ramp_m, ground }
+        Patchwork { region: region.clone(), ground }
     }
 
     /// Properties of the floor at a point inside the region. Along the region's edges runs a ramp; over its width the height rises evenly with
     /// the distance from the nearest edge.
-    fn at(&self, [x_m, y_m]: [f64; 2]) -> Ground {
+    fn at(&self, at_m: [f64; 2]) -> Ground {
+        let region = &self.region;
+        let [x_m, y_m] = region.unturned(at_m);
         let inwards = [
-            (x_m - self.x_m[0], [1.0, 0.0]),
-            (self.x_m[1] - x_m, [-1.0, 0.0]),
-            (y_m - self.y_m[0], [0.0, 1.0]),
-            (self.y_m[1] - y_m, [0.0, -1.0]),
+            (x_m - region.x_m[0], [1.0, 0.0]),
+            (region.x_m[1] - x_m, [-1.0, 0.0]),
+            (y_m - region.y_m[0], [0.0, 1.0]),
+            (region.y_m[1] - y_m, [0.0, -1.0]),
         ];
         let from = |nearest: (f64, [f64; 2]), edge: (f64, [f64; 2])| if edge.0 < nearest.0 { edge } else { nearest };
-        let (inside_m, direction) = inwards.into_iter().fold((self.ramp_m, [0.0; 2]), from);
-        if self.ground.height_m == 0.0 || inside_m >= self.ramp_m {
+        let (inside_m, direction) = inwards.into_iter().fold((region.ramp_m, [0.0; 2]), from);
+        if self.ground.height_m == 0.0 || inside_m >= region.ramp_m {
             return self.ground;
         }
-        let rise = self.ground.height_m / self.ramp_m;
-        Ground { height_m: rise * inside_m, slope: direction.map(|along| rise * along), ..self.ground }
+        let rise = self.ground.height_m / region.ramp_m;
+        let slope = region.direction_in_world(direction).map(|along| rise * along);
+        Ground { height_m: rise * inside_m, slope, ..self.ground }
     }
 }
 
@@ -132,4 +131,58 @@ fn change(event: &Event, scene: &Scene) -> Option<Change> {
         None => None,
     };
     Some(Change { at_s: *at_s, region_idx, friction: *friction })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A carpet of 1 m by 0.5 m about (2, 1.5), turned by 30°, with ramps of 0.1 m up to a height of 0.02 m.
+    fn floor() -> Floor {
+        let text = "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[start]\nx_m = 0.5\ny_m = 0.5\n[[route.waypoint]]\nx_m = 2.0\n\
+                    y_m = 1.5\n[floor]\nfriction = 0.8\n[[floor.region]]\nname = \"carpet\"\nx_m = [1.5, 2.5]\n\
+                    y_m = [1.25, 1.75]\nrotation_deg = 30\nfriction = 0.4\nheight_m = 0.02\nramp_m = 0.1\n";
+        let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+        Floor::new(&scene)
+    }
+
+    /// The point that is so far along and across the turned carpet from its middle.
+    fn on_carpet(along_m: f64, across_m: f64) -> [f64; 2] {
+        let (sin, cos) = 30_f64.to_radians().sin_cos();
+        [2.0 + cos * along_m - sin * across_m, 1.5 + sin * along_m + cos * across_m]
+    }
+
+    #[test]
+    fn a_turned_region_lies_where_its_corners_are_turned_to() {
+        let floor = floor();
+        let friction = |along_m: f64, across_m: f64| {
+            let [x_m, y_m] = on_carpet(along_m, across_m);
+            floor.at(x_m, y_m).friction
+        };
+        for (along, across) in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+            assert_eq!(friction(0.49 * along, 0.24 * across), 0.4);
+            assert_eq!(friction(0.51 * along, 0.24 * across), 0.8);
+            assert_eq!(friction(0.49 * along, 0.26 * across), 0.8);
+        }
+        // The corner of the region before it was turned.
+        assert_eq!(floor.at(2.49, 1.26).friction, 0.8);
+    }
+
+    #[test]
+    fn the_slope_of_a_turned_ramp_is_the_derivative_of_its_height() {
+        let floor = floor();
+        let places = [((0.45, 0.0), 0.01), ((-0.47, 0.05), 0.006), ((0.1, 0.22), 0.006), ((0.2, -0.2), 0.01)];
+        for ((along_m, across_m), height_m) in places {
+            let [x_m, y_m] = on_carpet(along_m, across_m);
+            let ground = floor.at(x_m, y_m);
+            assert!((ground.height_m - height_m).abs() < 1e-12, "{ground:?}");
+            let height = |dx: f64, dy: f64| floor.at(x_m + dx, y_m + dy).height_m;
+            let by_difference = [height(1e-6, 0.0) - height(-1e-6, 0.0), height(0.0, 1e-6) - height(0.0, -1e-6)];
+            for axis in 0..2 {
+                assert!((ground.slope[axis] - by_difference[axis] / 2e-6).abs() < 1e-6, "{ground:?}");
+            }
+        }
+        let middle = floor.at(2.0, 1.5);
+        assert_eq!((middle.height_m, middle.slope), (0.02, [0.0; 2]));
+    }
 }

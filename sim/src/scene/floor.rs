@@ -117,10 +117,14 @@ pub struct Misplaced {
 pub struct Region {
     /// Name of the region, by which events, and sweeps over a key's values, refer to it.
     pub name: String,
-    /// Range of world x that the floor region covers, from the least to the greatest.
+    /// Range of world x that the floor region covers before it is turned by `rotation_deg`, from the least to the greatest.
     pub x_m: [f64; 2],
-    /// Range of world y that the floor region covers, from the least to the greatest.
+    /// Range of world y that the floor region covers before it is turned by `rotation_deg`, from the least to the greatest.
     pub y_m: [f64; 2],
+    /// Angle by which the floor region is turned about its middle, counter-clockwise. The region must lie within the room as it is turned.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub rotation_deg: f64,
     /// Friction coefficient between tyre and floor in the region.
     #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
@@ -179,6 +183,45 @@ pub struct Stray {
     pub albedo: f64,
 }
 
+impl Region {
+    /// Where a point of the world was before the region was turned about its middle, together with the region.
+    pub(crate) fn unturned(&self, at_m: [f64; 2]) -> [f64; 2] {
+        self.turned_about_middle(at_m, -self.rotation_deg)
+    }
+
+    /// The place in the world of a point that is given as it was before the region was turned about its middle.
+    pub(crate) fn in_world(&self, at_m: [f64; 2]) -> [f64; 2] {
+        self.turned_about_middle(at_m, self.rotation_deg)
+    }
+
+    /// Whether a point of the world lies in the region or on its edge.
+    pub(crate) fn covers(&self, at_m: [f64; 2]) -> bool {
+        let [x_m, y_m] = self.unturned(at_m);
+        (self.x_m[0]..=self.x_m[1]).contains(&x_m) && (self.y_m[0]..=self.y_m[1]).contains(&y_m)
+    }
+
+    /// The region's corners in the world, counter-clockwise.
+    pub(crate) fn corners_m(&self) -> [[f64; 2]; 4] {
+        let ([x0, x1], [y0, y1]) = (self.x_m, self.y_m);
+        [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|corner_m| self.in_world(corner_m))
+    }
+
+    /// The direction in the world of a vector that is given as it was before the region was turned.
+    pub(crate) fn direction_in_world(&self, vector: [f64; 2]) -> [f64; 2] {
+        turned(vector, self.rotation_deg)
+    }
+
+    fn turned_about_middle(&self, at_m: [f64; 2], by_deg: f64) -> [f64; 2] {
+        // A region that is not turned keeps its corners to the last digit.
+        if by_deg == 0.0 {
+            return at_m;
+        }
+        let middle_m = [self.x_m, self.y_m].map(|[low, high]| 0.5 * (low + high));
+        let off_m = turned([at_m[0] - middle_m[0], at_m[1] - middle_m[1]], by_deg);
+        [middle_m[0] + off_m[0], middle_m[1] + off_m[1]]
+    }
+}
+
 impl Default for Floor {
     /// A plain floor with the grip of rubber on dry ceramic.
     fn default() -> Self {
@@ -215,6 +258,12 @@ impl Default for Tiles {
             misplaced: Vec::new(),
         }
     }
+}
+
+/// A vector turned counter-clockwise.
+fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
+    let (sin, cos) = by_deg.to_radians().sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
 }
 
 fn default_ramp_m() -> f64 {

@@ -67,7 +67,7 @@ impl MapView {
                 ground_plan.floors_m().iter().map(|corners| corners.map(|at_m| self.place(at_m))).collect();
             floors.iter().for_each(|floor| canvas.fill(floor, palette::ROOM, 1.0));
             for region in &scene.floor.regions {
-                canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
+                canvas.fill(&region.corners_m().map(|corner| self.place(corner)), palette::REGION, 1.0);
             }
             if let (Some(tiles), Some(laid)) = (&scene.floor.tiles, laid) {
                 // Joints between tiles are also laid beyond the walls, so the drawing of them is clipped to the floors.
@@ -77,7 +77,7 @@ impl MapView {
             }
             // A floor covering hides the joints below it.
             for region in scene.floor.regions.iter().filter(|region| region.covering.is_some()) {
-                canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
+                canvas.fill(&region.corners_m().map(|corner| self.place(corner)), palette::REGION, 1.0);
             }
             for stray in &scene.floor.strays {
                 let width_px = (stray.width_m * self.pixels_per_m).max(1.0);

@@ -152,9 +152,7 @@ impl FlowSensor {
 
     /// Relative error of the flow sensor's counts per metre that the floor's surface at a position causes.
     fn surface(&self, [x_m, y_m, _]: [f64; 3]) -> f64 {
-        let covers = |region: &Region| {
-            (region.x_m[0]..=region.x_m[1]).contains(&x_m) && (region.y_m[0]..=region.y_m[1]).contains(&y_m)
-        };
+        let covers = |region: &Region| region.covers([x_m, y_m]);
         let region_idx = self.regions.iter().rposition(covers).unwrap_or(self.regions.len());
         self.surfaces[region_idx]
     }

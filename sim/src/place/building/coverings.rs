@@ -22,15 +22,17 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
     let covered =
         scene.floor.regions.iter().enumerate().filter_map(|(index, region)| Some((index, region, region.covering?)));
     for (index, region, covering) in covered {
-        let ([x0, x1], [y0, y1]) = (region.x_m, region.y_m);
+        let [corner, along_to, opposite, up_to] = region.corners_m();
+        let to = |[x, y]: [f64; 2]| vector![x - corner[0], y - corner[1], 0.0];
+        let middle = [0, 1].map(|axis| (corner[axis] + opposite[axis]) / 2.0);
         panels.push(Panel {
-            corner: Point3::new(x0, y0, LAYER_M * (index + 1) as f64),
-            along: vector![x1 - x0, 0.0, 0.0],
-            up: vector![0.0, y1 - y0, 0.0],
+            corner: Point3::new(corner[0], corner[1], LAYER_M * (index + 1) as f64),
+            along: to(along_to),
+            up: to(up_to),
             // In a wet region of the floor, the usual floor is seen through the water.
             material: if covering == Covering::Wet { wet(base) } else { material(covering, index as u32) },
             part: Part::Floor,
-            room: building.room_at(Point3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0)),
+            room: building.room_at(Point3::new(middle[0], middle[1], 0.0)),
         });
     }
     panels

@@ -202,7 +202,7 @@ pub(super) fn coverings_in_view<'a>(
     regions.iter().filter_map(|region| {
         let albedo = covering_albedo(region.covering?);
         let middle_y_m = (region.y_m[0] + region.y_m[1]) / 2.0;
-        let [from, to] = region.x_m.map(|x_m| frame.place(vector![x_m, middle_y_m]));
+        let [from, to] = region.x_m.map(|x_m| frame.place(region.in_world([x_m, middle_y_m]).into()));
         let width_m = region.y_m[1] - region.y_m[0];
         let margin_m = seen.widest_margin_m();
         let reach = Vector2::repeat(width_m / 2.0 + margin_m);

@@ -61,10 +61,30 @@ fn floor(scene: &mut Table, draws: &Draws, room_m: [f64; 2]) {
             let range_m = [from_m, to_m].map(|m| Value::Float(rounded(m, 3).min(extent_m)));
             region.insert(key.to_owned(), Value::Array(range_m.to_vec()));
         }
+        if region.contains_key("rotation_deg") {
+            shrink_to_turn(region, room_m);
+        }
         // A scene is valid with ramps of a slope of up to 0.5. The slope is 0.1 at most here, as small wheels could not climb more.
         let height_m = number(region, "height_m").unwrap_or(0.0);
         let ramp_m = rounded((10.0 * height_m).max(0.03), 3);
         region.insert("ramp_m".to_owned(), Value::Float(ramp_m));
+    }
+}
+
+/// Makes a region of the floor so small about its middle that it stays within the room, however it is turned.
+fn shrink_to_turn(region: &mut Table, room_m: [f64; 2]) {
+    let ranges_m = ["x_m", "y_m"].map(|key| match region.get(key) {
+        Some(Value::Array(range_m)) => [0, 1].map(|end| range_m[end].as_float().unwrap_or(0.0)),
+        _ => [0.0; 2],
+    });
+    let middle_m = ranges_m.map(|[from_m, to_m]| 0.5 * (from_m + to_m));
+    let half_m = ranges_m.map(|[from_m, to_m]| 0.5 * (to_m - from_m));
+    let free_m = [0, 1].map(|axis| middle_m[axis].min(room_m[axis] - middle_m[axis]));
+    // A hundredth less, as ends are rounded to millimetres.
+    let share = (0.99 * free_m[0].min(free_m[1]) / half_m[0].hypot(half_m[1])).min(1.0);
+    for (axis, key) in ["x_m", "y_m"].into_iter().enumerate() {
+        let ends_m = [-1.0, 1.0].map(|side| Value::Float(rounded(middle_m[axis] + side * share * half_m[axis], 3)));
+        region.insert(key.to_owned(), Value::Array(ends_m.to_vec()));
     }
 }
 
