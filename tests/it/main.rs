@@ -124,6 +124,8 @@ mod upgrade;
 mod scene_expectations;
 /// Tests of the command line other than refusals: exit codes, output, replay, and resuming after an interruption.
 mod cli_runs;
+/// Tests of the film of a run: its frames as another program's decoder shows them.
+mod film;
 /// Tests of the files that a run writes, read back by independent code.
 mod record_files;
 /// Tests of rules that every scene file, the schema and the documents must obey.

@@ -17,6 +17,8 @@ mod canvas;
 mod contact_sheet;
 mod errand_map;
 mod figure;
+mod film;
+mod legend;
 mod log_map;
 mod map_view;
 mod palette;
@@ -24,6 +26,8 @@ mod range_view;
 mod tones;
 
 pub use contact_sheet::{Column, contact_sheet};
+pub use film::Reel;
+pub(crate) use film::{FILE as FILM, write as write_film};
 pub(crate) use log_map::draw as log_map;
 pub use tones::tone_mapped;
 

@@ -13,6 +13,7 @@
 //! | `marker_tables.md` | Tables 1 to 3 as Zhou et al. 2016 (paper 5) print them, for a run at stations under ceiling markers with baselines |
 //! | `subject.log` | what a tested localizer in a process of its own wrote to its standard error, if anything |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was given and answered, when asked for |
+//! | `film.png` | a time lapse of what each camera saw, of the map with the answers, and of the outcome (an animated PNG), when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
 use std::{
@@ -26,7 +27,10 @@ use localizer::Estimate;
 use serde_json::Value;
 
 use crate::{
-    artefacts::{debug_frames, recording::Recording},
+    artefacts::{
+        debug_frames::{self, Reel},
+        recording::Recording,
+    },
     judge::Verdict,
     loading::SceneFile,
     place::landmark_map,
@@ -39,6 +43,7 @@ mod found;
 mod marker_tables;
 mod poses;
 
+pub(crate) use super::debug_frames::FILM;
 pub(crate) use super::digest::{estimates_digest, is_library};
 pub use super::digest::{program_digest, run_as_library, scene_digest};
 pub(crate) use super::files::naming;
@@ -69,20 +74,29 @@ pub fn prepare_for(file: &Path) -> Result<(), RecordError> {
 ///
 /// An existing folder of the same run is replaced. If an error occurs, the existing folder stays as it was.
 pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {
-    write_with(out, file, record, verdict, None)
+    write_with(out, file, record, verdict, Followed::default())
 }
 
-/// Writes like [`write()`], and adds the recordings that were made during the run.
+/// What observers have kept of a run while it happened, for its folder.
+#[derive(Default)]
+pub struct Followed {
+    /// The recordings.
+    pub recordings: Vec<Recording>,
+    /// What the film shows of the cameras.
+    pub reel: Option<Reel>,
+}
+
+/// Writes like [`write()`], and adds what observers have kept of the run.
 pub fn write_with(
     out: &Path,
     file: &SceneFile,
     record: &RunRecord,
     verdict: &Verdict,
-    recordings: impl IntoIterator<Item = Recording>,
+    followed: Followed,
 ) -> Result<PathBuf, RecordError> {
     let target = folder(out, &file.name, record.seed);
     clear_stale(target.parent().unwrap_or(out));
-    replace_whole(&target, |partial| fill(partial, file, record, verdict, recordings))?;
+    replace_whole(&target, |partial| fill(partial, file, record, verdict, followed))?;
     Ok(target)
 }
 
@@ -168,7 +182,7 @@ pub(crate) fn fill(
     file: &SceneFile,
     record: &RunRecord,
     verdict: &Verdict,
-    recordings: impl IntoIterator<Item = Recording>,
+    followed: Followed,
 ) -> Result<(), RecordError> {
     let write = |name: &str, content: String| {
         let path = partial.join(name);
@@ -200,7 +214,10 @@ pub(crate) fn fill(
     }
     write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
     let summary = Summary::of(file, record, verdict);
-    for recording in recordings {
+    if let Some(reel) = &followed.reel {
+        debug_frames::write_film(partial, file, record, verdict, reel)?;
+    }
+    for recording in followed.recordings {
         recording.finish(&summary, partial)?;
     }
     write("summary.json", summary.to_text())

@@ -9,9 +9,10 @@ use serde_json::Value;
 
 use crate::{
     artefacts::{
+        debug_frames::Reel,
         recording::{Form, LiveServer, Recording},
         result_table::{Outcome, as_text, lines},
-        run_files::{self, SUBJECT_LOG, program_digest, scene_digest},
+        run_files::{self, FILM, Followed, SUBJECT_LOG, program_digest, scene_digest},
     },
     campaign::{
         cases::{CaseResult, Results, program, quoted},
@@ -47,6 +48,9 @@ pub(super) struct RunArguments {
     /// Images for which the run writes debug frames, pictures of what the vision found: none, failures, every=N or all.
     #[arg(long, value_name = "WHICH", default_value = "none")]
     frames: FramesPolicy,
+    /// Write film.png too, an animated PNG of 10 to 20 seconds: what each camera sees, the map with the boxes, and the outcome.
+    #[arg(long)]
+    film: bool,
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]
     json: bool,
@@ -70,7 +74,8 @@ pub(super) struct RunArguments {
 
 const RUN_AFTER_HELP: &str = "\
 Each run leaves DIR/<scene>/<seed>/ with summary.json (all figures, and whether the scene's [expect] was met),
-timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames and the recording asked for.
+timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames, the film and the recording
+asked for.
 
 In the table, a check is one step of 10 ms. `contained`: the true pose is in a box. If it is not, the cause is named.
 `bound broken`: a declared bound was exceeded, and the run simulated again with this bound kept holds the true pose.
@@ -152,7 +157,8 @@ fn run_one(
     let recording =
         |is_asked: bool, form: Form| is_asked.then(|| Recording::begin(&arguments.out, file, seed, form)).transpose();
     let recordings = (recording(arguments.record, Form::Foxglove)?, recording(arguments.ros2, Form::Ros2)?);
-    let mut witnesses = (recordings, live.map(|server| server.begin(&file.scene)));
+    let reel = arguments.film.then(Reel::default);
+    let mut witnesses = ((recordings, reel), live.map(|server| server.begin(&file.scene)));
     let mut progress = |progress| match progress {
         Progress::At { simulated_s } => bar.set_position(start + milliseconds(simulated_s)),
         Progress::Again { number, lasts_s } => {
@@ -165,9 +171,9 @@ fn run_one(
     let choice = arguments.tested.choice();
     let (run_record, verdict) =
         run_judged(&file.scene, seed, &choice, &options, renderer, &mut witnesses, &mut progress)?;
-    let ((foxglove, ros2), _) = witnesses;
-    let recordings = foxglove.into_iter().chain(ros2);
-    let folder = run_files::write_with(&arguments.out, file, &run_record, &verdict, recordings)?;
+    let (((foxglove, ros2), reel), _) = witnesses;
+    let followed = Followed { recordings: foxglove.into_iter().chain(ros2).collect(), reel };
+    let folder = run_files::write_with(&arguments.out, file, &run_record, &verdict, followed)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
 }
 
@@ -187,6 +193,7 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     let Ok(Some((summary, timing))) = run_files::read(&folder) else { return Ok(None) };
     let wants_baselines = arguments.baselines || file.scene.expect.needs_baselines();
     if forms(arguments).any(|form| !folder.join(form.path()).exists())
+        || arguments.film && !folder.join(FILM).exists()
         || wants_baselines && timing["stages_ms"]["baselines"].is_null()
     {
         return Ok(None);

@@ -3,7 +3,7 @@
 use std::{f64::consts::PI, sync::LazyLock};
 
 use localizer::Pose;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::{Answer, GaussianPose, WeightedPose, mean_of};
@@ -69,6 +69,26 @@ impl Spread {
     /// eq. 5.4.2-2).
     pub fn squared_distance(&self, error: &Vector3<f64>) -> f64 {
         squared_distance(&self.covariance, error).unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether the region that holds 95 % of the distribution holds a pose that is off the mean by this error.
+    pub fn holds_at_95(&self, error: &Vector3<f64>) -> bool {
+        self.squared_distance(error) <= self.squared_radii[SHARE_95]
+    }
+
+    /// Corners of a polygon along the ellipse in the plane that holds 95 % of the distribution of x and y, relative to the mean, in metres.
+    pub fn ellipse_95_m(&self) -> Vec<[f64; 2]> {
+        const CORNERS: usize = 48;
+        // The lower triangular root of a positive definite matrix takes the unit circle to the ellipse of Mahalanobis distance 1.
+        let plane = self.covariance.fixed_view::<2, 2>(0, 0).into_owned();
+        let root = plane.cholesky().map(|root| root.l()).unwrap_or_default();
+        let radius = (self.area_95_m2 / unit_area_m2(&self.covariance)).sqrt();
+        let corner = |index: usize| {
+            let (sin, cos) = (2.0 * PI * index as f64 / CORNERS as f64).sin_cos();
+            let off_m = root * Vector2::new(cos, sin) * radius;
+            [off_m.x, off_m.y]
+        };
+        (0..CORNERS).map(corner).collect()
     }
 
     /// Full widths of the intervals of three standard deviations to both sides of the mean, in x, y and heading.
@@ -195,4 +215,36 @@ fn squared_distance(covariance: &Matrix3<f64>, error: &Vector3<f64>) -> Option<f
 /// Area of the ellipse of x and y up to the Mahalanobis distance 1: π √det P.
 fn unit_area_m2(covariance: &Matrix3<f64>) -> f64 {
     PI * covariance.fixed_view::<2, 2>(0, 0).determinant().max(0.0).sqrt()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn gaussian(covariance: [[f64; 3]; 3]) -> Option<Spread> {
+        let mean = Pose { x_m: 1.0, y_m: 2.0, heading_rad: 0.5 };
+        of_gaussian(&GaussianPose { mean, covariance }).spread
+    }
+
+    #[test]
+    fn each_corner_of_the_ellipse_has_the_distance_that_holds_95_percent_in_the_plane() {
+        let spread = gaussian([[0.04, 0.012, 0.0], [0.012, 0.01, 0.0], [0.0, 0.0, 1e-4]]).unwrap();
+        // The inverse of the covariance of x and y, whose determinant is 0.04 · 0.01 − 0.012² = 0.000256.
+        let inverse = [[0.01 / 0.000256, -0.012 / 0.000256], [-0.012 / 0.000256, 0.04 / 0.000256]];
+        for [x_m, y_m] in spread.ellipse_95_m() {
+            let squared = inverse[0][0] * x_m * x_m + 2.0 * inverse[0][1] * x_m * y_m + inverse[1][1] * y_m * y_m;
+            // χ² with two degrees of freedom stays below 5.991 with a probability of 95 %.
+            assert!((squared - 5.9915).abs() < 1e-3, "{squared}");
+        }
+    }
+
+    #[test]
+    fn the_region_of_95_percent_reaches_to_the_quantile_of_three_degrees_of_freedom() {
+        let spread = gaussian([[0.04, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 1e-4]]).unwrap();
+        // √7.815 = 2.7955 standard deviations.
+        assert!(spread.holds_at_95(&Vector3::new(0.2 * 2.79, 0.0, 0.0)));
+        assert!(!spread.holds_at_95(&Vector3::new(0.2 * 2.80, 0.0, 0.0)));
+        assert!(!spread.holds_at_95(&Vector3::new(0.2 * 2.0, 0.0, 0.01 * 2.0)));
+    }
 }

@@ -30,6 +30,7 @@ impl Panel {
 }
 
 /// An image that is being drawn on.
+#[derive(Clone)]
 pub(super) struct Canvas {
     /// The image with everything that has been drawn on it.
     pub(super) image: RgbImage,

@@ -23,7 +23,8 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, with_answers: bool) -> 
     let view = MapView::rooms(panel, &file.scene);
     view.draw_floor(&mut canvas, &file.scene, None);
     view.draw_things(&mut canvas, &file.scene);
-    view.draw_errands(&mut canvas, &file.scene, record, f64::INFINITY);
+    view.draw_grid(&mut canvas, &file.scene);
+    view.draw_errands(&mut canvas, record, f64::INFINITY);
     view.draw_markers(&mut canvas, &file.scene, Some(&record.drawn.place.markers));
     view.draw_landmarks(&mut canvas, &file.scene, learnt_by(record, f64::INFINITY));
     view.draw_trail(&mut canvas, record, f64::INFINITY);

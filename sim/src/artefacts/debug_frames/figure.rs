@@ -1,6 +1,7 @@
 //! The debug figure of one image: at the left what was seen, at the right where that puts the robot, and a description in words above and below.
 
 use image::{Rgb, RgbImage};
+use localizer::PoseBox;
 
 use crate::{
     loading::SceneFile,
@@ -11,6 +12,7 @@ use crate::{
 use super::{
     Seen, camera_view,
     canvas::{Canvas, Panel},
+    legend::{Entry, draw_legend},
     map_view::{MapView, learnt_by},
     palette, range_view,
     tones::Tones,
@@ -19,9 +21,10 @@ use super::{
 const MARGIN_PX: f64 = 20.0;
 const HEADER_PX: f64 = 84.0;
 const FOOTER_PX: f64 = 70.0;
-const LEGEND_LINE_PX: f64 = 26.0;
 const IMAGE_HEIGHT_PX: f64 = 720.0;
 const MAPS_WIDTH_PX: f64 = 560.0;
+/// Length of the wedges of headings on both maps.
+const WEDGE_PX: f64 = 90.0;
 const TITLE_PX: f32 = 24.0;
 const TEXT_PX: f32 = 18.0;
 
@@ -50,7 +53,8 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, se
         Seen::Image { pixels, .. } => camera_view::draw(&mut canvas, view, &file.scene, record, image, pixels),
         Seen::Codes { camera } => range_view::draw(&mut canvas, view, &file.scene, camera, record, image),
     }
-    maps(&mut canvas, &MapView::rooms(room, &file.scene), &MapView::close_up(near, image), &file.scene, record, image);
+    let close_up = MapView::close_up(near, image.truth.pose, shown_m(image));
+    maps(&mut canvas, &MapView::rooms(room, &file.scene), &close_up, &file.scene, record, image);
     for panel in [view, room, near] {
         frame(&mut canvas, panel);
     }
@@ -58,20 +62,33 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, se
     canvas.image
 }
 
+/// Half the side of the close map view: twice the reach of the estimate's nearest box, which then extends over half of the view. A view smaller than
+/// a centimetre or larger than a metre would show nothing of use.
+fn shown_m(image: &ImageRecord) -> f64 {
+    let truth_m = [image.truth.pose.x_m, image.truth.pose.y_m];
+    let reach_m = |branch: &PoseBox| {
+        let sides = branch.components();
+        let reach = |axis: usize| (sides[axis].hi() - truth_m[axis]).max(truth_m[axis] - sides[axis].lo());
+        reach(0).max(reach(1))
+    };
+    (2.0 * image.posterior.branches.iter().map(reach_m).fold(f64::INFINITY, f64::min)).clamp(0.01, 1.0)
+}
+
 fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, record: &RunRecord, image: &ImageRecord) {
     let truth = image.truth.pose;
     for view in [room, near] {
         view.draw_floor(canvas, scene, record.drawn.place.tiles.as_ref());
         view.draw_things(canvas, scene);
-        view.draw_errands(canvas, scene, record, image.truth.time_s);
+        view.draw_grid(canvas, scene);
+        view.draw_errands(canvas, record, image.truth.time_s);
         view.draw_markers(canvas, scene, Some(&record.drawn.place.markers));
         view.draw_landmarks(canvas, scene, learnt_by(record, image.measured_s));
         view.draw_trail(canvas, record, image.truth.time_s);
     }
     room.draw_robot(canvas, scene, truth);
-    room.draw_boxes(canvas, image);
+    room.draw_boxes(canvas, &image.posterior, truth, WEDGE_PX);
     room.draw_truth(canvas, truth, 46.0);
-    near.draw_boxes(canvas, image);
+    near.draw_boxes(canvas, &image.posterior, truth, WEDGE_PX);
     near.draw_truth(canvas, truth, 110.0);
     room.draw_scale(canvas);
     near.draw_scale(canvas);
@@ -135,28 +152,36 @@ fn widths(image: &ImageRecord) -> String {
     )
 }
 
-/// Mean illuminance at the floor at a given time, after the light events until then; or at the camera, where the scene states that instead.
+/// Mean illuminance in words, with where it is measured.
 fn lux_at(scene: &Scene, time_s: f64) -> String {
+    let (lux, place) = illuminance_lux(scene, time_s);
+    format!("{lux} lx at the {place}")
+}
+
+/// Mean illuminance at the floor at a given time, after the light events until then; or at the camera, where the scene states that instead. With the
+/// place at which it is measured.
+pub(super) fn illuminance_lux(scene: &Scene, time_s: f64) -> (f64, &'static str) {
     let switched = scene.events.iter().filter_map(|event| match event {
         Event::Light { at_s, illuminance_at_floor_lux } if *at_s <= time_s => Some((*at_s, *illuminance_at_floor_lux)),
         _ => None,
     });
     let latest = switched.max_by(|one, other| one.0.total_cmp(&other.0));
     match (latest, scene.light.illuminance_at_camera_lux) {
-        (None, Some(lux)) => format!("{lux} lx at the camera"),
-        (None, None) => format!("{} lx at the floor", scene.light.illuminance_at_floor_lux),
-        (Some((_, lux)), _) => format!("{lux} lx at the floor"),
+        (None, Some(lux)) => (lux, "camera"),
+        (None, None) => (scene.light.illuminance_at_floor_lux, "floor"),
+        (Some((_, lux)), _) => (lux, "floor"),
     }
 }
 
-fn frame(canvas: &mut Canvas, panel: Panel) {
+/// Draws the frame of a panel.
+pub(super) fn frame(canvas: &mut Canvas, panel: Panel) {
     let (right_px, bottom_px) = (panel.left_px + panel.width_px, panel.top_px + panel.height_px);
     let corners =
         [[panel.left_px, panel.top_px], [right_px, panel.top_px], [right_px, bottom_px], [panel.left_px, bottom_px]];
     canvas.outline(&corners, 1.0, palette::JOINT);
 }
 
-fn legend(canvas: &mut Canvas, mut top_px: f64, scene: &Scene, image: &ImageRecord) {
+fn legend(canvas: &mut Canvas, top_px: f64, scene: &Scene, image: &ImageRecord) {
     let n_claims = image.claims.len();
     let things = [
         (!scene.furniture.is_empty(), palette::FURNITURE, "furniture"),
@@ -175,15 +200,8 @@ fn legend(canvas: &mut Canvas, mut top_px: f64, scene: &Scene, image: &ImageReco
         (palette::ROUTE, "route".to_owned()),
     ];
     let shown = things.into_iter().filter(|(is_there, ..)| *is_there);
-    let right_px = f64::from(canvas.image.width()) - MARGIN_PX;
-    let mut left_px = MARGIN_PX;
-    for (colour, text) in entries.into_iter().chain(shown.map(|(_, colour, text)| (colour, text.to_owned()))) {
-        let width_px = 34.0 + Canvas::text_width_px(TEXT_PX, &text);
-        if left_px + width_px > right_px {
-            (left_px, top_px) = (MARGIN_PX, top_px + LEGEND_LINE_PX);
-        }
-        canvas.line([left_px, top_px + 9.0], [left_px + 26.0, top_px + 9.0], 4.0, colour);
-        canvas.text([left_px + 34.0, top_px], TEXT_PX, palette::INK, &text);
-        left_px += width_px + 28.0;
-    }
+    let all = entries.into_iter().chain(shown.map(|(_, colour, text)| (colour, text.to_owned())));
+    let width_px = f64::from(canvas.image.width()) - 2.0 * MARGIN_PX;
+    let panel = Panel { left_px: MARGIN_PX, top_px, width_px, height_px: FOOTER_PX };
+    draw_legend(canvas, panel, TEXT_PX, &all.map(|(colour, text)| Entry { colour, text }).collect::<Vec<_>>());
 }

@@ -1,7 +1,7 @@
 //! The floor seen from above: room, floor joints as they were truly laid, route, driven trail, the localizer's boxes and the robot's true pose.
 
 use image::Rgb;
-use localizer::{Pose, PoseBox, PoseUnion};
+use localizer::{Pose, PoseUnion};
 
 use crate::{
     driver::Outcome,
@@ -10,7 +10,7 @@ use crate::{
         drawn::LaidTiles,
         navigation::{Cell, OccupancyGrid},
     },
-    run::{ImageRecord, RunRecord},
+    run::RunRecord,
     scene::{Scene, Tiles},
 };
 
@@ -43,19 +43,9 @@ impl MapView {
         MapView { panel, centre_m: [middle_x_m, middle_y_m - SCALE_PX / 2.0 / pixels_per_m], pixels_per_m }
     }
 
-    /// A close map view around the robot's true position, scaled to the nearest box of the estimate's union of boxes.
-    pub(super) fn close_up(panel: Panel, image: &ImageRecord) -> MapView {
-        let truth = image.truth.pose;
+    /// A close map view around the robot's true position, which shows the floor up to this distance to each side of it.
+    pub(super) fn close_up(panel: Panel, truth: Pose, shown_m: f64) -> MapView {
         let centre_m = [truth.x_m, truth.y_m];
-        let reach_m = |branch: &PoseBox| {
-            let sides = branch.components();
-            let reach = |axis: usize| (sides[axis].hi() - centre_m[axis]).max(centre_m[axis] - sides[axis].lo());
-            reach(0).max(reach(1))
-        };
-        let reaches = image.posterior.branches.iter().map(reach_m);
-        // The nearest box of the estimate extends over half of the panel. A view smaller than a centimetre or larger than a metre would show nothing
-        // of use.
-        let shown_m = (2.0 * reaches.fold(f64::INFINITY, f64::min)).clamp(0.01, 1.0);
         MapView { panel, centre_m, pixels_per_m: panel.width_px.min(panel.height_px) / 2.0 / shown_m }
     }
 
@@ -120,9 +110,11 @@ impl MapView {
         });
     }
 
-    /// Draws the occupied cells of the robot's grid map, the paths that were planned on it until `until_s`, and the goals of the robot's errands.
-    pub(super) fn draw_errands(&self, canvas: &mut Canvas, scene: &Scene, record: &RunRecord, until_s: f64) {
-        let Some(log) = &record.errands else { return };
+    /// Draws the occupied cells of the grid map on which the ways of the robot's errands are planned.
+    pub(super) fn draw_grid(&self, canvas: &mut Canvas, scene: &Scene) {
+        if !scene.has_errands() {
+            return;
+        }
         let grid = OccupancyGrid::of(scene);
         canvas.clipped(self.panel, |canvas| {
             for (index, _) in grid.cells.iter().enumerate().filter(|(_, cell)| **cell == Cell::Occupied) {
@@ -131,12 +123,24 @@ impl MapView {
                 let corners = self.rectangle([x_m - half_m, x_m + half_m], [y_m - half_m, y_m + half_m]);
                 canvas.fill(&corners, palette::WALL, 0.35);
             }
+        });
+    }
+
+    /// Draws the paths that were planned for the robot's errands until `until_s`, and the goals: each in the colour of how its errand ended, grey
+    /// while it has not.
+    pub(super) fn draw_errands(&self, canvas: &mut Canvas, record: &RunRecord, until_s: f64) {
+        let Some(log) = &record.errands else { return };
+        canvas.clipped(self.panel, |canvas| {
             for leg in log.legs.iter().filter(|leg| leg.from_s <= until_s) {
                 let corners: Vec<[f64; 2]> = leg.corners_m.iter().map(|at| self.place(*at)).collect();
                 corners.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 3.0, palette::ROUTE));
             }
             for errand in &log.errands {
-                let colour = if errand.outcome == Outcome::Reached { palette::TRUTH } else { palette::MISS };
+                let colour = match errand.outcome {
+                    _ if errand.ended_s.unwrap_or(f64::INFINITY) > until_s => palette::FAINT_INK,
+                    Outcome::Reached => palette::TRUTH,
+                    _ => palette::MISS,
+                };
                 canvas.ring(self.place(errand.goal_m), 6.0, 2.0, colour);
             }
         });
@@ -190,13 +194,13 @@ impl MapView {
         });
     }
 
-    /// Draws every box of the estimate, with a wedge of the headings that the box allows; all boxes are red when none of them holds the true pose.
-    pub(super) fn draw_boxes(&self, canvas: &mut Canvas, image: &ImageRecord) {
-        let is_contained = image.posterior.contains(image.truth.pose);
+    /// Draws every box of the estimate, with a wedge of this length of the headings that the box allows; all boxes are red when none of them holds
+    /// the true pose.
+    pub(super) fn draw_boxes(&self, canvas: &mut Canvas, union: &PoseUnion, truth: Pose, wedge_px: f64) {
+        let is_contained = union.contains(truth);
         let colour = if is_contained { palette::BOX } else { palette::MISS };
-        let wedge_px = 0.45 * self.panel.width_px.min(self.panel.height_px).min(200.0);
         canvas.clipped(self.panel, |canvas| {
-            for branch in &image.posterior.branches {
+            for branch in &union.branches {
                 let [x, y, heading] = branch.components();
                 let centre = self.place([x.mid(), y.mid()]);
                 let end =
@@ -216,6 +220,22 @@ impl MapView {
                     canvas.ring(centre, 5.0, 1.5, colour);
                 }
             }
+        });
+    }
+
+    /// Draws what a localizer states that has no boxes: the region around the mean pose, by its corners relative to the mean, and a stroke in the
+    /// direction of the mean heading.
+    pub(super) fn draw_region(&self, canvas: &mut Canvas, mean: Pose, corners_m: &[[f64; 2]], colour: Rgb<u8>) {
+        const STROKE_PX: f64 = 14.0;
+        let corners: Vec<[f64; 2]> =
+            corners_m.iter().map(|[x_m, y_m]| self.place([mean.x_m + x_m, mean.y_m + y_m])).collect();
+        let middle = self.place([mean.x_m, mean.y_m]);
+        let (sin, cos) = mean.heading_rad.sin_cos();
+        canvas.clipped(self.panel, |canvas| {
+            canvas.fill(&corners, colour, 0.25);
+            canvas.outline(&corners, 1.5, colour);
+            canvas.line(middle, [middle[0] + STROKE_PX * cos, middle[1] - STROKE_PX * sin], 2.0, colour);
+            canvas.ring(middle, 5.0, 1.5, colour);
         });
     }
 

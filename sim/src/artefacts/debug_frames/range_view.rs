@@ -47,7 +47,9 @@ pub(super) fn draw(
             ];
             canvas.fill(&corners, colour, 0.3);
             canvas.outline(&corners, 1.5, colour);
-            canvas.text([corners[3][0], corners[3][1] - 20.0], LABEL_PX, palette::INK, &landmark.0.to_string());
+            // Text is not clipped: a label above the panel would stand in what is written there.
+            let label_top_px = (corners[3][1] - 20.0).max(panel.top_px + 2.0);
+            canvas.text([corners[3][0], label_top_px], LABEL_PX, palette::INK, &landmark.0.to_string());
             if let Some(true_place) = scene.landmarks.get(landmark.0 as usize) {
                 let (sin, cos) = image.truth.pose.heading_rad.sin_cos();
                 let (x_m, y_m) = (true_place.x_m - image.truth.pose.x_m, true_place.y_m - image.truth.pose.y_m);

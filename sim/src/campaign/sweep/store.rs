@@ -13,7 +13,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::{
-    artefacts::run_files::{self, RecordError, naming, replace_whole},
+    artefacts::run_files::{self, Followed, RecordError, naming, replace_whole},
     judge::Verdict,
     run::{FramesPolicy, RunRecord},
 };
@@ -93,7 +93,7 @@ impl Store {
         verdict: &Verdict,
     ) -> Result<(), RecordError> {
         replace_whole(&case_folder(&self.folder, &case.planned.id), |partial| {
-            run_files::fill(partial, &case.file, record, verdict, None)?;
+            run_files::fill(partial, &case.file, record, verdict, Followed::default())?;
             seal(partial, &case.planned, frames, None)
         })
     }
