@@ -2,7 +2,7 @@ use std::{fs, io::Cursor, path::Path};
 
 use image::{AnimationDecoder, Frame, codecs::png::PngDecoder};
 
-use crate::command::{blind_scene, folder, outcome, wherein};
+use crate::command::{blind_scene, folder, outcome, root, wherein};
 
 /// The colours of boxes that hold the truth, of those that do not, and of the true pose.
 const BOX: [u8; 3] = [0, 114, 178];
@@ -102,4 +102,21 @@ fn a_sweep_and_a_replay_refuse_a_film() {
         let (code, _, stderr) = outcome(&mut wherein(&folder, &[command, "scene.toml", "--film"]));
         assert!(code == 2 && stderr.contains("'--film'"), "{command}: {stderr}");
     }
+}
+
+#[test]
+fn the_film_of_the_gallery_has_at_most_3_mb_and_shows_the_whole_drive() {
+    let path = root().join("docs/src/gallery/home_film.png");
+    let length = fs::metadata(&path).unwrap().len();
+    assert!(length <= 3_000_000, "{length} bytes");
+    let frames = frames(&path);
+    let lasts_s: f64 = frames.iter().map(shown_s).sum();
+    assert!((10.0..=22.0).contains(&lasts_s), "{lasts_s} s");
+    // Each camera's panel differs from one frame to the next: the robot drives, and the pictures are noisy.
+    for (name, left, top) in [("floor", 12, 62), ("forward", 256, 62), ("ceiling", 12, 268)] {
+        let panel = |frame: &Frame| image::imageops::crop_imm(frame.buffer(), left, top, 232, 174).to_image();
+        let middle = frames.len() / 2;
+        assert_ne!(panel(&frames[middle]), panel(&frames[middle + 1]), "{name} camera");
+    }
+    assert_eq!(count(&frames[frames.len() - 1], MISS), 0, "the run has failed");
 }

@@ -124,7 +124,7 @@ mod upgrade;
 mod scene_expectations;
 /// Tests of the command line other than refusals: exit codes, output, replay, and resuming after an interruption.
 mod cli_runs;
-/// Tests of the film of a run: its frames as another program's decoder shows them.
+/// Tests of the film of a run: its frames as another program's decoder shows them, and the film in the book's gallery.
 mod film;
 /// Tests of the files that a run writes, read back by independent code.
 mod record_files;
