@@ -216,6 +216,8 @@ mod sweep_cases;
 mod sweep_refusals;
 /// Tests of a sweep's report, JUnit file and annotations against the sweep's own table.
 mod sweep_report;
+/// Tests of reports that are made of tables row by row, against the report of all cases.
+mod sweep_sketch;
 /// Tests of what reports show of a run's events and broken bounds.
 mod report_incidents;
 /// Tests of the ceiling markers and landmarks that figures and maps show.

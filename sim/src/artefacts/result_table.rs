@@ -13,7 +13,7 @@ mod columns;
 mod layout;
 mod pool;
 
-pub(crate) use pool::{methods, pool};
+pub(crate) use pool::{Moments, methods, pool, pooled};
 
 pub use layout::{as_markdown, as_text};
 

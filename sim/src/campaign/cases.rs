@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::{
     artefacts::run_files::{self, RecordError, run_folders, subject_of},
-    campaign::sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
+    campaign::sweep::{Plan, PlannedCase, Recorded, SweepError, case_folder, read_case, read_plan},
     judge::figures::{Figures, figures},
     loading::{Setting, shown},
     subject::SubjectChoice,
@@ -17,12 +17,14 @@ mod csv_file;
 mod parquet_file;
 mod command;
 mod table;
+mod table_file;
 
 pub use command::{Replay, program, quoted, subject_option};
 pub use csv_file::{from_csv, to_csv};
 #[cfg(feature = "parquet")]
 pub use parquet_file::to_parquet;
 pub use table::{Cell, Table};
+pub use table_file::{PARTS, read_pieces, table_files};
 
 /// Results of all cases of a sweep or of a folder of runs, in a stable order.
 #[derive(Clone, Debug)]
@@ -69,20 +71,8 @@ impl Results {
 
     /// Reads the results of some cases of a sweep: those for which `is_meant` is true of the case's index in the plan.
     pub fn of_sweep(folder: &Path, plan: Plan, is_meant: &dyn Fn(usize) -> bool) -> Results {
-        let meant = plan.planned().into_iter().filter(|case| is_meant(case.index));
-        let result = |case: crate::campaign::sweep::PlannedCase| CaseResult {
-            scene: plan.scene.clone(),
-            scene_path: plan.path.clone(),
-            folder: case_folder(folder, &case.id),
-            recorded: read_case(folder, &case.id),
-            id: case.id,
-            settings: case.settings,
-            seed: case.seed,
-            // A sweep's own file tells its localizer by name alone.
-            subject_is_elsewhere: !is_known(&plan.subject),
-            subject: plan.subject.clone(),
-        };
-        let cases = meant.map(result).collect();
+        let meant = plan.planned().filter(|case| is_meant(case.index));
+        let cases = meant.map(|case| CaseResult::of_sweep(folder, &plan, case)).collect();
         Results { title: plan.scene.clone(), plan: Some(plan), cases }
     }
 
@@ -134,6 +124,22 @@ impl Results {
 }
 
 impl CaseResult {
+    /// Reads the result of one case of the sweep in `folder`.
+    pub fn of_sweep(folder: &Path, plan: &Plan, case: PlannedCase) -> CaseResult {
+        CaseResult {
+            scene: plan.scene.clone(),
+            scene_path: plan.path.clone(),
+            folder: case_folder(folder, &case.id),
+            recorded: read_case(folder, &case.id),
+            id: case.id,
+            settings: case.settings,
+            seed: case.seed,
+            // A sweep's own file tells its localizer by name alone.
+            subject_is_elsewhere: !is_known(&plan.subject),
+            subject: plan.subject.clone(),
+        }
+    }
+
     /// Reads the run that `folder` holds; `None` where it holds none.
     pub fn read(folder: PathBuf) -> Result<Option<CaseResult>, RecordError> {
         let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };

@@ -10,6 +10,7 @@
 //! | [`sharpness`] | compares the boxes of a run with what its readings and bounds leave open |
 //! | [`cases`] | reads the cases of a sweep, or the runs below a folder: one row each |
 //! | [`report`] | sums cases up: an HTML page, Markdown, or lines for a terminal |
+//! | [`sketch`] | sums more cases up than memory holds, row by row, for the same report |
 //! | [`comparison`] | compares two sets of cases |
 //! | [`junit`] | writes cases as JUnit XML for CI systems |
 
@@ -21,5 +22,6 @@ pub mod weaken;
 pub mod sharpness;
 pub mod cases;
 pub mod report;
+pub mod sketch;
 pub mod comparison;
 pub mod junit;

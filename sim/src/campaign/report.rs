@@ -13,12 +13,15 @@ mod measure;
 mod overview;
 mod page;
 mod picture;
+mod sketched;
 mod steps;
 mod text;
 
 pub use files::write;
 pub use markdown::as_markdown;
 pub use measure::{MEASURES, Measure};
+pub(super) use overview::badness;
 pub use overview::{Group, Overview};
 pub use page::as_html;
+pub use sketched::Sketched;
 pub use text::{as_text, broken_bounds, first_outside, first_outside_of};

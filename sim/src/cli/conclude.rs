@@ -12,7 +12,8 @@ use crate::{
         cases::Results,
         junit::to_junit,
         report::{self, Overview, as_text},
-        sweep::write_whole,
+        sketch::{self, MOST_WHOLE, Sketch},
+        sweep::{Plan, write_whole},
     },
 };
 
@@ -30,6 +31,42 @@ pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> R
     print(&format!("Recorded in {}: report.html, results.csv, summary.md\n", folder.display()))?;
     tell_github(&overview, results)?;
     Ok(exit_code(&overview))
+}
+
+/// The same for those cases of the sweep in `folder` for whose index `is_meant` is true, however many these are.
+pub(super) fn conclude_sweep(
+    folder: &Path,
+    plan: Plan,
+    is_meant: &dyn Fn(usize) -> bool,
+    outputs: &Outputs,
+) -> Result<ExitCode, CommandError> {
+    if (0..plan.cases.len()).filter(|index| is_meant(*index)).count() <= MOST_WHOLE {
+        return conclude(&Results::of_sweep(folder, plan, is_meant), folder, outputs);
+    }
+    let sketch = Sketch::of_sweep(folder, &plan, is_meant)?;
+    conclude_sketch(sketch, Some(plan), folder, outputs)
+}
+
+/// The same for cases whose rows were added up one by one.
+pub(super) fn conclude_sketch(
+    sketch: Sketch,
+    plan: Option<Plan>,
+    folder: &Path,
+    outputs: &Outputs,
+) -> Result<ExitCode, CommandError> {
+    let n_cases = sketch.n_cases();
+    if n_cases == 0 {
+        return Err(CommandError::NoResults(folder.to_owned()));
+    }
+    let (overview, results) = sketch.finish(plan);
+    sketch::write(&overview, &results, folder)?;
+    print(&as_text(&overview, &results))?;
+    print(&format!("Recorded in {}: report.html, summary.md\n", folder.display()))?;
+    tell_github(&overview, &results)?;
+    match &outputs.junit {
+        Some(path) => Err(CommandError::TooManyTests { path: path.clone(), n_cases, most: MOST_WHOLE }),
+        None => Ok(exit_code(&overview)),
+    }
 }
 
 /// Writes the results as JUnit XML if the user has named a file for it.

@@ -52,6 +52,10 @@ pub(super) enum CommandError {
     NoPairs(PathBuf, PathBuf),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
+    #[error("report on {0} folders: expected one, or --out with the folder for the report on all of them")]
+    SeveralReported(usize),
+    #[error("write {}: {n_cases} cases, expected at most {most} for JUnit XML", path.display())]
+    TooManyTests { path: PathBuf, n_cases: usize, most: usize },
     #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), result_table::BEGIN, result_table::END)]
     NoMarkers(PathBuf),
     #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]

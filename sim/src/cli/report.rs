@@ -1,13 +1,27 @@
-//! `wherein report`: writes the report of a folder that holds a sweep or single runs.
+//! `wherein report`: writes the report of a folder that holds a sweep or single runs, or of tables of results.
 
 use std::process::ExitCode;
 
-use crate::campaign::cases::Results;
+use crate::{
+    artefacts::run_files,
+    campaign::{cases::Results, sketch::Sketch, sweep::read_plan},
+};
 
-use super::{CommandError, ReportArguments, conclude::conclude};
+use super::{
+    CommandError, ReportArguments,
+    conclude::{conclude, conclude_sketch, conclude_sweep},
+};
 
 /// Writes report.html, summary.md and results.csv into the folder of the results.
 pub(super) fn report_folder(arguments: &ReportArguments) -> Result<ExitCode, CommandError> {
-    let results = Results::read(&arguments.folder)?;
-    conclude(&results, &arguments.folder, &arguments.outputs)
+    let ReportArguments { folders, out, outputs } = arguments;
+    if let Some(out) = out {
+        run_files::prepare(out)?;
+        return conclude_sketch(Sketch::of_tables(folders)?, None, out, outputs);
+    }
+    let [folder] = folders.as_slice() else { return Err(CommandError::SeveralReported(folders.len())) };
+    match read_plan(folder)? {
+        Some(plan) => conclude_sweep(folder, plan, &|_| true, outputs),
+        None => conclude(&Results::read(folder)?, folder, outputs),
+    }
 }

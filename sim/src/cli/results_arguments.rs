@@ -65,9 +65,13 @@ pub(super) struct MergeArguments {
 /// Arguments of `wherein report`.
 #[derive(Debug, Args)]
 pub(super) struct ReportArguments {
-    /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report is written into the same folder.
-    #[arg(value_name = "DIR")]
-    pub(super) folder: PathBuf,
+    /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report is written into the same folder. With --out, tables of results:
+    /// any number of such folders, of files results.csv, or of files results.parquet where the program was built with Parquet.
+    #[arg(required = true, value_name = "DIR")]
+    pub(super) folders: Vec<PathBuf>,
+    /// Write the report into this folder, and make it of tables of results alone, row by row: for more cases than memory or patience suffice for.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) outputs: Outputs,
 }

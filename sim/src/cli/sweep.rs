@@ -11,15 +11,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::{
     artefacts::{machine::cores, run_files},
-    campaign::{
-        cases::Results,
-        sweep::{Begun, Case, Finished, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
-    },
+    campaign::sweep::{Begun, Case, Finished, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
     run::RunOptions,
     subject::SubjectChoice,
 };
 
-use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};
+use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude_sweep};
 
 /// Runs every case of a sweep that is not recorded yet, and writes the results of all cases.
 pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
@@ -41,16 +38,14 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
         stop: &AtomicBool::new(false),
     })?;
     say(&Ran { todo: &todo, n_meant, took: began.elapsed() }.to_string());
-    let results = Results::of_sweep(&begun.out, begun.plan, &|index| shard.holds(index));
-    conclude(&results, &begun.out, &arguments.outputs)
+    conclude_sweep(&begun.out, begun.plan, &|index| shard.holds(index), &arguments.outputs)
 }
 
 /// Merges the parts of a sweep and writes the results of the whole.
 pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, CommandError> {
     let store = Store::open(&arguments.out)?;
     let plan = merge(&arguments.folders, &store)?;
-    let results = Results::of_sweep(&arguments.out, plan, &|_| true);
-    conclude(&results, &arguments.out, &arguments.outputs)
+    conclude_sweep(&arguments.out, plan, &|_| true, &arguments.outputs)
 }
 
 /// Returns the sweep that a sweep file and the command line state together.

@@ -10,14 +10,74 @@ const ERRAND_COUNTS: [&str; 6] = ["errands", "goals_reached", "goals_missed", "a
 /// Pools the figures of all `runs`: counts are added, root mean squares are pooled as squares, of greatest values the greatest is taken and of least
 /// values the least, and everything else is averaged over the runs that measured it.
 pub(crate) fn pool(runs: &[&Figures]) -> Figures {
-    let mut by_name: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    let mut by_name: BTreeMap<&str, Moments> = BTreeMap::new();
     for (name, value) in runs.iter().flat_map(|figures| figures.iter()) {
-        by_name.entry(name).or_default().push(*value);
+        by_name.entry(name).or_default().add(*value);
     }
-    let mut pooled: Figures =
-        by_name.iter().map(|(name, values)| ((*name).to_owned(), combine(name, values))).collect();
+    pooled(by_name.iter().map(|(name, moments)| (*name, moments)))
+}
+
+/// Pools a figure of each name from what was added up of it.
+pub(crate) fn pooled<'a>(figures: impl Iterator<Item = (&'a str, &'a Moments)>) -> Figures {
+    let mut pooled: Figures = figures.map(|(name, moments)| (name.to_owned(), moments.combine(name))).collect();
     derive(&mut pooled);
     pooled
+}
+
+/// What pooling needs of a figure of several runs, however many these are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moments {
+    n: u64,
+    sum: f64,
+    sum_of_squares: f64,
+    greatest: f64,
+    least: f64,
+}
+
+impl Default for Moments {
+    fn default() -> Moments {
+        // The sum of no numbers is −0, as for the iterators of the standard library.
+        Moments { n: 0, sum: -0.0, sum_of_squares: -0.0, greatest: f64::NEG_INFINITY, least: f64::INFINITY }
+    }
+}
+
+impl Moments {
+    /// Adds the figure of one more run.
+    pub(crate) fn add(&mut self, value: f64) {
+        self.n += 1;
+        self.sum += value;
+        self.sum_of_squares += value * value;
+        self.greatest = self.greatest.max(value);
+        self.least = self.least.min(value);
+    }
+
+    /// Whether no run has this figure.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.n == 0
+    }
+
+    fn combine(&self, name: &str) -> f64 {
+        let n = self.n as f64;
+        // A baseline's figures are pooled like the localizer's own.
+        let name =
+            name.strip_prefix("baselines.").and_then(|name| name.split_once('.')).map_or(name, |(_, figure)| figure);
+        let last = name.rsplit('.').next().unwrap_or(name);
+        let is_count = name.starts_with("containment.")
+            || name.starts_with("methods.")
+            || ["violations", "distribution.checks", "distribution.unusable"].contains(&name)
+            || name.strip_prefix("metrics.").is_some_and(|metric| ERRAND_COUNTS.contains(&metric));
+        if is_count || name == "duration_s" || last == "wall_s" {
+            self.sum
+        } else if name.contains(".rmse") {
+            (self.sum_of_squares / n).sqrt()
+        } else if ["max", "p999"].contains(&last) || last.ends_with("_greatest_m") {
+            self.greatest
+        } else if last.ends_with("_least_m") {
+            self.least
+        } else {
+            self.sum / n
+        }
+    }
 }
 
 /// For each baseline named in `figures`, its figures under the names that the localizer's own figures have.
@@ -58,29 +118,6 @@ pub(crate) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
         ((*method).to_owned(), shares.map(|(name, value)| (name.to_owned(), value)).into())
     };
     names.iter().map(part).collect()
-}
-
-fn combine(name: &str, values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let sum: f64 = values.iter().sum();
-    // A baseline's figures are pooled like the localizer's own.
-    let name = name.strip_prefix("baselines.").and_then(|name| name.split_once('.')).map_or(name, |(_, figure)| figure);
-    let last = name.rsplit('.').next().unwrap_or(name);
-    let is_count = name.starts_with("containment.")
-        || name.starts_with("methods.")
-        || ["violations", "distribution.checks", "distribution.unusable"].contains(&name)
-        || name.strip_prefix("metrics.").is_some_and(|metric| ERRAND_COUNTS.contains(&metric));
-    if is_count || name == "duration_s" || last == "wall_s" {
-        sum
-    } else if name.contains(".rmse") {
-        (values.iter().map(|value| value * value).sum::<f64>() / n).sqrt()
-    } else if ["max", "p999"].contains(&last) || last.ends_with("_greatest_m") {
-        values.iter().fold(f64::NEG_INFINITY, |greatest, value| greatest.max(*value))
-    } else if last.ends_with("_least_m") {
-        values.iter().fold(f64::INFINITY, |least, value| least.min(*value))
-    } else {
-        sum / n
-    }
 }
 
 /// Adds the figures that follow from the pooled figures rather than from those of each run, such as shares of pooled counts.

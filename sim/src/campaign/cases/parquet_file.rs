@@ -1,13 +1,15 @@
 //! Tables of results as Parquet files, a binary format that stores tables by columns. Compiled with the feature `parquet` only.
 
-use std::sync::Arc;
+use std::{fs::File, sync::Arc};
 
 use parquet::{
     basic::{LogicalType, Repetition, Type as Physical},
+    column::reader::{ColumnReader, ColumnReaderImpl},
     data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type},
     errors::Result,
     file::{
         properties::WriterProperties,
+        reader::{FileReader, SerializedFileReader},
         writer::{SerializedColumnWriter, SerializedFileWriter},
     },
     schema::types::Type,
@@ -59,6 +61,58 @@ pub fn to_parquet(table: &Table) -> Result<Vec<u8>> {
     group.close()?;
     writer.close()?;
     Ok(bytes)
+}
+
+/// Reads those columns whose names are wanted, and calls `see` for each row group of the file.
+pub(super) fn read_pieces(file: File, is_wanted: &dyn Fn(&str) -> bool, see: &mut dyn FnMut(&Table)) -> Result<()> {
+    let reader = SerializedFileReader::new(file)?;
+    let fields = reader.metadata().file_metadata().schema_descr().columns().iter();
+    let wanted: Vec<(usize, String)> =
+        fields.map(|field| field.name().to_owned()).enumerate().filter(|(_, name)| is_wanted(name)).collect();
+    let columns: Vec<String> = wanted.iter().map(|(_, name)| name.clone()).collect();
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group)?;
+        let n_rows = usize::try_from(group.metadata().num_rows()).unwrap_or_default();
+        let mut rows: Vec<Vec<Cell>> = (0..n_rows).map(|_| Vec::with_capacity(columns.len())).collect();
+        for (column, _) in &wanted {
+            match group.get_column_reader(*column)? {
+                ColumnReader::DoubleColumnReader(open) => empty(open, &mut rows, |value| Cell::Number(*value))?,
+                ColumnReader::Int64ColumnReader(open) => empty(open, &mut rows, |value| Cell::Whole(*value as u64))?,
+                ColumnReader::BoolColumnReader(open) => empty(open, &mut rows, |value| Cell::Truth(*value))?,
+                ColumnReader::ByteArrayColumnReader(open) => {
+                    empty(open, &mut rows, |value| {
+                        value.as_utf8().map_or(Cell::Empty, |text| Cell::Text(text.to_owned()))
+                    })?;
+                }
+                // No column of another type is ever written.
+                _ => rows.iter_mut().for_each(|row| row.push(Cell::Empty)),
+            }
+        }
+        see(&Table { columns: columns.clone(), rows });
+    }
+    Ok(())
+}
+
+/// Reads one column to its end, and gives each row its cell.
+fn empty<T: DataType>(
+    mut column: ColumnReaderImpl<T>,
+    rows: &mut [Vec<Cell>],
+    cell: impl Fn(&T::T) -> Cell,
+) -> Result<()> {
+    let (mut values, mut present) = (Vec::new(), Vec::new());
+    while present.len() < rows.len() {
+        let (n_records, _, _) =
+            column.read_records(rows.len() - present.len(), Some(&mut present), None, &mut values)?;
+        if n_records == 0 {
+            break;
+        }
+    }
+    let mut values = values.iter();
+    for (idx, row) in rows.iter_mut().enumerate() {
+        let value = present.get(idx).filter(|level| **level > 0).and_then(|_| values.next());
+        row.push(value.map_or(Cell::Empty, &cell));
+    }
+    Ok(())
 }
 
 /// Returns the type of a column: the type of its cells, or text when its cells are of several types.

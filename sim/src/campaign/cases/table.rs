@@ -50,6 +50,13 @@ const OUTCOME: [&str; 10] = [
 /// Names of the last columns of the table of results.
 const ORIGIN: [&str; 5] = ["subject", "version", "adapter", "digest.scene", "digest.estimates"];
 
+/// Whether the cells of a column with this name are texts, even those that look like numbers.
+pub(super) fn is_text(name: &str) -> bool {
+    let others =
+        OUTCOME.iter().filter(|name| !["seed", "passed", "first_failure_s", "first_failure_margin"].contains(name));
+    IDENTITY.iter().chain(others).chain(&ORIGIN).any(|text| *text == name)
+}
+
 impl Table {
     /// Creates the table of `results`. The row of a case that did not run has no numerical results.
     pub fn of(results: &Results) -> Table {

@@ -27,8 +27,11 @@ struct Axis {
 }
 
 /// Draws heatmaps of the share of steps with the truth in the box, the box's width, its midpoint's error and the goals reached, over the first two
-/// scene keys that vary; nothing when no key varies.
+/// scene keys that vary; nothing when no key varies, or when not every combination is known.
 pub(super) fn heatmaps(overview: &Overview) -> Option<Markup> {
+    if overview.sketched.as_ref().is_some_and(|sketched| sketched.n_unlisted > 0) {
+        return None;
+    }
     let plane = plane(overview)?;
     let shown = ["contained", "width", "error", "goals"];
     let others: Vec<&String> = overview.keys.iter().skip(2).collect();

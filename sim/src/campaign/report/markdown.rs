@@ -19,7 +19,10 @@ pub fn as_markdown(overview: &Overview, results: &Results) -> String {
     let verdict = if overview.has_passed() { "✅ passed" } else { "❌ failed" };
     let mut text = format!("## {verdict}: {}\n\n{}.\n\n", inline(&results.title), overview.headline());
     text += &table(overview);
-    text += &localizers(results);
+    match &overview.sketched {
+        None => text += &localizers(results),
+        Some(sketched) => text += &sketched.to_markdown(),
+    }
     let absent = results.missing().map(|case| (case, "missing"));
     let absent: Vec<_> = absent.chain(results.failed()).collect();
     if !absent.is_empty() {
@@ -27,8 +30,9 @@ pub fn as_markdown(overview: &Overview, results: &Results) -> String {
         for (case, reason) in absent.iter().take(MOST_ABSENT) {
             text += &format!("- {}: {}\n", inline(&case.describe(overview.has_scenes)), inline(reason));
         }
-        if absent.len() > MOST_ABSENT {
-            text += &format!("- and {} more\n", absent.len() - MOST_ABSENT);
+        let n_absent = overview.n_missing + overview.n_failed;
+        if n_absent > MOST_ABSENT {
+            text += &format!("- and {} more\n", n_absent - absent.len().min(MOST_ABSENT));
         }
     }
     let cases = overview.worst.iter().map(|index| &results.cases[*index]);
@@ -39,8 +43,8 @@ pub fn as_markdown(overview: &Overview, results: &Results) -> String {
     for case in missed.iter().take(MOST_WORST) {
         text += &failure(case, overview.has_scenes);
     }
-    if missed.len() > MOST_WORST {
-        text += &format!("and {} more\n", missed.len() - MOST_WORST);
+    if overview.n_missed > MOST_WORST {
+        text += &format!("and {} more\n", overview.n_missed - MOST_WORST);
     }
     text
 }

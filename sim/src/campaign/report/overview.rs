@@ -1,6 +1,6 @@
 //! Summary of all cases: counts, combinations, and the order from the worst case to the best.
 
-use super::{MEASURES, Measure};
+use super::{MEASURES, Measure, Sketched};
 use crate::{
     artefacts::result_table::pool,
     campaign::cases::{CaseResult, Results},
@@ -31,6 +31,8 @@ pub struct Overview {
     pub groups: Vec<Group>,
     /// Indices of the cases that ran, the worst first.
     pub worst: Vec<usize>,
+    /// How the figures spread over the cases, where these are too many to be kept: the results then have the worst ones only.
+    pub sketched: Option<Sketched>,
 }
 
 /// The cases of all seeds of one combination of scene, localizer and settings.
@@ -64,7 +66,7 @@ impl Overview {
         let mut worst: Vec<usize> = (0..figures.len()).filter(|index| !figures[*index].is_empty()).collect();
         // The sorting keeps equally bad cases in the order of the sweep.
         worst.sort_by(|one, other| {
-            let badness = |index: usize| badness(&results.cases[index], &figures[index]);
+            let badness = |index: usize| badness(results.cases[index].passed(), &figures[index]);
             badness(*other).partial_cmp(&badness(*one)).unwrap_or(std::cmp::Ordering::Equal)
         });
         Overview {
@@ -78,6 +80,7 @@ impl Overview {
             figures: pool(&ran),
             groups,
             worst,
+            sketched: None,
         }
     }
 
@@ -163,9 +166,9 @@ fn groups(results: &Results) -> Vec<Group> {
 
 /// Returns a key for sorting cases, greater for worse ones: missed expectations count first, then the gravest cause for which the truth was lost,
 /// then the number of steps with the truth outside, then the greatest error.
-fn badness(case: &CaseResult, figures: &Figures) -> (bool, u8, f64, f64) {
+pub(in crate::campaign) fn badness(passed: Option<bool>, figures: &Figures) -> (bool, u8, f64, f64) {
     let figure = |name: &str| figures.get(name).copied().unwrap_or_default();
     let counts = ["unsound", "perception", "bound_broken"].map(|name| figure(&format!("containment.{name}")));
     let gravest = counts.iter().position(|count| *count > 0.0).map_or(0, |index| 3 - index as u8);
-    (case.passed() == Some(false), gravest, counts.iter().sum(), figure("error.position_m.max"))
+    (passed == Some(false), gravest, counts.iter().sum(), figure("error.position_m.max"))
 }

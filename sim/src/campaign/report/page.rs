@@ -48,14 +48,17 @@ pub fn as_html(overview: &Overview, results: &Results) -> String {
                 (key_figures(overview))
                 (absent(overview, results))
                 @if let Some(heatmaps) = heatmaps(overview) { (heatmaps) }
-                (diagrams(results))
+                @match &overview.sketched {
+                    None => (diagrams(results)),
+                    Some(sketched) => (sketched.to_html()),
+                }
                 (worst_cases(overview, results))
                 (logs(overview, results))
                 (groups(overview))
-                (localizers(results))
+                @if overview.sketched.is_none() { (localizers(results)) }
                 (methods(overview))
                 (cases(overview, results))
-                (origin(results))
+                (origin(overview, results))
             }
         }
     };
@@ -94,6 +97,9 @@ fn absent(overview: &Overview, results: &Results) -> Markup {
                 @for case in results.missing() {
                     li { span.bad { "missing: " } (case.describe(overview.has_scenes)) }
                 }
+                @let n_listed = results.failed().count() + results.missing().count();
+                @let n_absent = overview.n_missing + overview.n_failed;
+                @if n_absent > n_listed { li { "and " (n_absent - n_listed) " more" } }
             }
         }
     }
@@ -138,7 +144,9 @@ fn legend() -> Markup {
 /// Shows the worst cases, and the case with the median error as a typical one.
 fn worst_cases(overview: &Overview, results: &Results) -> Markup {
     let worst = diverse(overview.worst.iter().map(|index| &results.cases[*index]));
-    let typical = typical(results).filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
+    // Where only the worst cases are kept, none of them is a typical one.
+    let typical = if overview.sketched.is_some() { None } else { typical(results) };
+    let typical = typical.filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
     html! {
         @if !worst.is_empty() {
             h2 { "The worst cases" }
@@ -312,7 +320,7 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
     };
     html! {
         details {
-            summary { "All " (results.cases.len()) " cases" }
+            summary { @if overview.sketched.is_some() { "The " (results.cases.len()) " cases that are kept" } @else { "All " (results.cases.len()) " cases" } }
             div.table { table {
                 thead { tr {
                     @if overview.has_scenes { th.text { "scene" } }
@@ -340,19 +348,22 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
     }
 }
 
-fn origin(results: &Results) -> Markup {
+fn origin(overview: &Overview, results: &Results) -> Markup {
+    let joined = |all: &BTreeSet<String>| all.iter().cloned().collect::<Vec<_>>().join("; ");
     let told = |value: &dyn Fn(&CaseResult) -> Option<String>| -> String {
-        let all: BTreeSet<String> = results.cases.iter().filter_map(value).collect();
-        all.into_iter().collect::<Vec<_>>().join("; ")
+        joined(&results.cases.iter().filter_map(value).collect())
     };
     let summary = |name: &'static str| move |case: &CaseResult| case.summary()?[name].as_str().map(str::to_owned);
     let timing = |name: &'static str| move |case: &CaseResult| case.timing()?[name].as_str().map(str::to_owned);
     let program = |case: &CaseResult| Some(case.timing()?["program"].as_str()?.chars().take(12).collect());
-    let adapter = told(&summary("adapter"));
+    let (version, adapter) = match &overview.sketched {
+        None => (told(&summary("version")), told(&summary("adapter"))),
+        Some(sketched) => (joined(&sketched.versions), joined(&sketched.adapters)),
+    };
     html! {
         footer {
             dl {
-                dt { "version" } dd { (told(&summary("version"))) ", program " (told(&program)) }
+                dt { "version" } dd { (version) ", program " (told(&program)) }
                 dt { "adapter" } dd { @if adapter.is_empty() { "none, as no image was rendered" } @else { (adapter) } }
                 dt { "machine" } dd { (told(&timing("machine"))) }
                 @if let Some(plan) = &results.plan {
@@ -367,7 +378,8 @@ fn origin(results: &Results) -> Markup {
                 "A check is one step of 10 ms, and in a log one estimate. Outside the box the cause is named, in a drive of the simulator: "
                 strong { "bound broken" }
                 ", a declared bound was really exceeded; " strong { "perception" } ", the vision claimed what is not there; "
-                strong { "unsound" } ", neither. All figures of all cases are in results.csv."
+                strong { "unsound" } ", neither. All figures of all cases are in "
+                @if overview.sketched.is_some() { "the tables that the report was made of." } @else { "results.csv." }
             }
         }
     }

@@ -21,17 +21,27 @@ pub fn as_text(overview: &Overview, results: &Results) -> String {
     for case in results.missing() {
         text += &format!("MISSING {}\n", case.describe(overview.has_scenes));
     }
+    let n_unlisted = overview.n_missing - results.missing().count();
+    if n_unlisted > 0 {
+        text += &format!("and {n_unlisted} MISSING more\n");
+    }
     for (case, reason) in results.failed() {
         text += &format!("COULD NOT RUN {}: {reason}\n", case.describe(overview.has_scenes));
         text += &format!("  replay: {}\n", Replay::of(case, "renders"));
     }
-    let missed =
-        || overview.worst.iter().map(|index| &results.cases[*index]).filter(|case| case.passed() == Some(false));
-    for case in missed().take(MOST_WORST) {
+    let n_unlisted = overview.n_failed - results.failed().count();
+    if n_unlisted > 0 {
+        text += &format!("and {n_unlisted} more that COULD NOT RUN\n");
+    }
+    let missed = overview.worst.iter().map(|index| &results.cases[*index]).filter(|case| case.passed() == Some(false));
+    for case in missed.take(MOST_WORST) {
         text += &failure(case, overview.has_scenes);
     }
-    if missed().count() > MOST_WORST {
-        text += &format!("and {} more that missed an expectation\n", missed().count() - MOST_WORST);
+    if overview.n_missed > MOST_WORST {
+        text += &format!("and {} more that missed an expectation\n", overview.n_missed - MOST_WORST);
+    }
+    if let Some(sketched) = &overview.sketched {
+        text += &format!("\n{}\n", sketched.note());
     }
     let verdict = if overview.has_passed() { "passed" } else { "FAILED" };
     text += &format!("\n{verdict}: {}.", overview.headline());

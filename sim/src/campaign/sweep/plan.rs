@@ -121,20 +121,17 @@ impl Plan {
     }
 
     /// Returns all cases in the order of the plan.
-    pub fn planned(&self) -> Vec<PlannedCase> {
+    pub fn planned(&self) -> impl Iterator<Item = PlannedCase> {
         let seeds = self.seeds[0]..self.seeds[1];
-        let combinations = combinations(&self.vary);
-        let cases = combinations.iter().flat_map(|settings| seeds.clone().map(move |seed| (settings, seed)));
-        cases
-            .zip(&self.cases)
-            .enumerate()
-            .map(|(index, ((settings, seed), id))| PlannedCase {
-                index,
-                id: id.clone(),
-                settings: settings.clone(),
-                seed,
-            })
-            .collect()
+        let cases = combinations(&self.vary)
+            .into_iter()
+            .flat_map(move |settings| seeds.clone().map(move |seed| (settings.clone(), seed)));
+        cases.zip(&self.cases).enumerate().map(|(index, ((settings, seed), id))| PlannedCase {
+            index,
+            id: id.clone(),
+            settings,
+            seed,
+        })
     }
 
     /// Returns the name of a case: a digest of everything that determines the bytes of its results.
