@@ -10,7 +10,7 @@ MSRV = 1.89
 export NODEVICE_SELECT = 1
 
 .PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python ray test-ray driver build \
-	msrv features deny package book site archive check-tag release-notes
+	container container-root test-container msrv features deny package book site archive check-tag release-notes
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -34,6 +34,9 @@ help:
 	@echo "make test-python   test the Python package and its examples; PYTHON=…"
 	@echo "make test-ray      test sweeps on a Ray cluster of nodes on this machine, where Python has ray; PYTHON=…"
 	@echo "make ray           sweep on such a cluster with killed nodes, and measure what Ray costs: half an hour; PYTHON=…"
+	@echo "make container     build the image of a container with the command, by podman, buildah or docker; scripts/container"
+	@echo "make container-root  the same from base images made by debootstrap, where no registry of images is reached; as root"
+	@echo "make test-container  run a scene in the image, and check its size; 250 MB at most"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 	@echo "make msrv          check all crates with the oldest compiler that is supported"
 	@echo "make features      check the crates with each set of features"
@@ -171,6 +174,15 @@ site: book
 	rm -rf target/site
 	cp -R target/book target/site
 	cp -R target/doc target/site/api
+
+container:
+	@scripts/container build
+
+container-root:
+	@scripts/container bases
+
+test-container:
+	@scripts/container try
 
 archive:
 	@scripts/release archive

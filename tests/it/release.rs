@@ -125,3 +125,43 @@ fn the_oldest_compiler_is_the_one_that_workflows_check() {
     assert!(makefile.lines().any(|line| line == format!("MSRV = {oldest}")), "Makefile: MSRV = {oldest}");
     assert!(text("CONTRIBUTING.md").contains(&format!("Rust {oldest}")), "CONTRIBUTING.md: Rust {oldest}");
 }
+
+/// The instructions of Containerfile, with lines that go on joined.
+fn instructions() -> Vec<String> {
+    let joined = text("Containerfile").replace("\\\n", " ");
+    joined.lines().filter(|line| !line.is_empty() && !line.starts_with('#')).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_image_is_built_by_a_compiler_that_is_new_enough_on_the_system_that_it_runs_on() {
+    let base = |name: &str| {
+        let begin = format!("ARG {name}=");
+        let line = instructions().into_iter().find(|line| line.starts_with(&begin)).unwrap();
+        line.rsplit(':').next().unwrap().to_owned()
+    };
+    let (rust, debian) = (base("RUST_IMAGE"), base("BASE_IMAGE"));
+    let (compiler, built_on) = rust.split_once("-slim-").unwrap();
+    assert_eq!(debian, format!("{built_on}-slim"), "a program that was linked on another system may not run");
+    let numbers = |version: &str| -> Vec<u32> { version.split('.').map(|number| number.parse().unwrap()).collect() };
+    let oldest = shared()["rust-version"].as_str().unwrap().to_owned();
+    assert!(numbers(compiler) >= numbers(&oldest), "{compiler} builds the image, {oldest} is the oldest");
+}
+
+#[test]
+fn the_image_runs_the_command_as_a_user_without_rights_and_copies_what_it_is_given() {
+    let instructions = instructions();
+    let of = |name: &str| instructions.iter().filter(move |line| line.split(' ').next() == Some(name));
+    assert_eq!(of("ENTRYPOINT").collect::<Vec<_>>(), ["ENTRYPOINT [\"wherein\"]"]);
+    assert_eq!(of("USER").collect::<Vec<_>>(), ["USER wherein"]);
+    // What is copied has to be let through by .containerignore, and so has every crate of the workspace.
+    let let_through = text(".containerignore");
+    let has = |path: &str| let_through.lines().any(|line| line == format!("!{}", path.split('/').next().unwrap()));
+    let copied = of("COPY").filter(|line| !line.contains("--from") && !line.starts_with("COPY . "));
+    let mut n_copied = 0;
+    for path in copied.flat_map(|line| line.split(' ').skip(1)).filter(|path| !path.starts_with('/')) {
+        n_copied += 1;
+        assert!(root().join(path).exists() && has(path), "{path}");
+    }
+    assert!(n_copied >= 5, "{n_copied}");
+    manifests().iter().for_each(|(folder, _)| assert!(has(folder), "{folder}"));
+}
