@@ -10,7 +10,7 @@ MSRV = 1.89
 export NODEVICE_SELECT = 1
 
 .PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python ray test-ray driver build \
-	container container-root test-container msrv features deny package book site archive check-tag release-notes
+	many-cases container container-root test-container msrv features deny package book site archive check-tag release-notes
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -34,6 +34,7 @@ help:
 	@echo "make test-python   test the Python package and its examples; PYTHON=…"
 	@echo "make test-ray      test sweeps on a Ray cluster of nodes on this machine, where Python has ray; PYTHON=…"
 	@echo "make ray           sweep on such a cluster with killed nodes, and measure what Ray costs: half an hour; PYTHON=…"
+	@echo "make many-cases    report on 10⁶ made-up cases: figures, time and memory; 10 minutes; PYTHON=…"
 	@echo "make container     build the image of a container with the command, by podman, buildah or docker; scripts/container"
 	@echo "make container-root  the same from base images made by debootstrap, where no registry of images is reached; as root"
 	@echo "make test-container  run a scene in the image, and check its size; 250 MB at most"
@@ -84,6 +85,10 @@ photon-transfer: driver
 readers: driver
 	cargo build -p wherein-sim --features parquet
 	$(PYTHON) scripts/outside_readers $(WHEREIN) target/readers
+
+many-cases: driver
+	cargo build --workspace --bins --example many_cases --features wherein-tests/parquet
+	$(PYTHON) scripts/many_cases target/debug/examples/many_cases $(WHEREIN) target/many_cases
 
 allan:
 	cargo run -p wherein-tests --example allan target/allan

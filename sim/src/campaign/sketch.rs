@@ -24,7 +24,7 @@ use crate::{
         run_files::{RecordError, naming},
     },
     campaign::{
-        cases::{CaseResult, PARTS, Results, Table, read_pieces, table_files, to_csv},
+        cases::{CaseResult, PARTS, Results, Table, read_pieces, table_files},
         report::{Group, MEASURES, Overview, Sketched, as_html, as_markdown},
         sweep::{Plan, SweepError, write_whole},
     },
@@ -238,7 +238,7 @@ fn write_part(table: &Table, parts: &Path, number: usize) -> Result<(), RecordEr
         write_whole(&path, &naming("write", &path, bytes)?)
     }
     #[cfg(not(feature = "parquet"))]
-    write_whole(&path("csv"), to_csv(table).as_bytes())
+    write_whole(&path("csv"), crate::campaign::cases::to_csv(table).as_bytes())
 }
 
 #[cfg(test)]
