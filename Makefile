@@ -155,9 +155,17 @@ msrv:
 
 features:
 	cargo check --locked -p wherein-interval
+	cargo check --locked -p wherein-interval --no-default-features
+	cargo check --locked -p wherein-interval --no-default-features --features serde
 	cargo check --locked -p wherein-localizer
+	cargo check --locked -p wherein-localizer --no-default-features
+	cargo check --locked -p wherein-localizer --no-default-features --features serde
+	cargo check --locked -p wherein-localizer --no-default-features --features vision
 	cargo check --locked -p wherein-sim
-	cargo check --locked -p wherein-sim --features parquet
+	cargo check --locked -p wherein-sim --no-default-features
+	cargo check --locked -p wherein-sim --no-default-features --features live
+	cargo check --locked -p wherein-sim --no-default-features --features man
+	cargo check --locked -p wherein-sim --no-default-features --features parquet
 	cargo check --locked -p wherein-python
 
 deny:

@@ -45,7 +45,9 @@ pub mod map;
 pub mod reading;
 pub mod motion;
 pub mod graph;
+#[cfg(feature = "vision")]
 pub mod vision;
+#[cfg(feature = "vision")]
 pub mod calibration;
 pub mod quota;
 pub mod method;

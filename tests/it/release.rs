@@ -165,3 +165,26 @@ fn the_image_runs_the_command_as_a_user_without_rights_and_copies_what_it_is_giv
     assert!(n_copied >= 5, "{n_copied}");
     manifests().iter().for_each(|(folder, _)| assert!(has(folder), "{folder}"));
 }
+
+#[test]
+fn every_feature_is_in_the_books_table_with_its_default_and_is_checked_alone() {
+    let (page, makefile) = (text("docs/src/install.md"), text("Makefile"));
+    let mut n_features = 0;
+    for (folder, manifest) in manifests() {
+        let Some(features) = manifest.get("features").filter(|_| is_published(&manifest["package"])) else { continue };
+        let features = features.as_table().unwrap();
+        let name = stated(&manifest["package"], "name");
+        let defaults = features.get("default").and_then(Value::as_array).cloned().unwrap_or_default();
+        let check = format!("\tcargo check --locked -p {name} --no-default-features");
+        assert!(makefile.lines().any(|line| line == check), "{check}");
+        for feature in features.keys().filter(|feature| *feature != "default") {
+            n_features += 1;
+            let is_default = if defaults.iter().any(|name| name.as_str() == Some(feature)) { "yes" } else { "no" };
+            let row = format!("| `{name}` | `{feature}` | {is_default} | ");
+            assert!(page.lines().any(|line| line.starts_with(&row)), "{folder}: {row}");
+            let alone = format!("{check} --features {feature}");
+            assert!(makefile.lines().any(|line| line == alone), "{alone}");
+        }
+    }
+    assert_eq!(n_features, page.matches("| `wherein-").count());
+}

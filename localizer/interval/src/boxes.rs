@@ -2,15 +2,14 @@
 
 use std::ops::{Index, IndexMut};
 
-use serde::{Deserialize, Serialize};
-
 use crate::Interval;
 
 /// An axis-aligned box: the Cartesian product of `N` intervals. It is empty as soon as one of the intervals is empty.
 ///
-/// The box is serialised as the list of its intervals.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[serde(into = "Vec<Interval>", try_from = "Vec<Interval>")]
+/// With the feature `serde` the box is serialised as the list of its intervals.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "Vec<Interval>", try_from = "Vec<Interval>"))]
 pub struct IntervalBox<const N: usize> {
     components: [Interval; N],
 }

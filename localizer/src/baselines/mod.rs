@@ -12,6 +12,7 @@ pub mod pose_graph;
 mod printed_table_iv;
 mod ransac;
 mod slip_decision;
+#[cfg(feature = "vision")]
 mod vertical_known;
 mod weighted_points;
 
@@ -33,6 +34,7 @@ pub use least_squares::least_squares;
 pub use printed_table_iv::printed_table_iv;
 pub use ransac::{RansacMap, ransac};
 pub use slip_decision::SlipDecision;
+#[cfg(feature = "vision")]
 pub use vertical_known::{dot_pairs, locate_upright, vertical_known};
 pub use weighted_points::{LearntPoint, SQUARED_GATE, SQUARED_GATE_OF_POSE, WeightedPoint, WeightedPose, weighted_fit};
 

@@ -28,6 +28,7 @@ pub(crate) mod cdr;
 mod definitions;
 pub(crate) mod exact;
 mod file;
+#[cfg_attr(not(feature = "live"), path = "recording/no_live.rs")]
 mod live;
 mod messages;
 pub(crate) mod reader;
@@ -35,7 +36,9 @@ pub(crate) mod reader;
 use cameras::NominalCamera;
 use exact::{RecordedEstimate, Start};
 pub use file::Recording;
-pub use live::{Live, LiveError, LiveServer};
+#[cfg(feature = "live")]
+pub use live::LiveError;
+pub use live::{Live, LiveServer};
 use messages::{Level, ROBOT, TRUE_ROBOT};
 pub use reader::RecordingError;
 

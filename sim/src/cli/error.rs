@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    artefacts::{log::LogError, recording::LiveError, replay::ReplayError, result_table, run_files::RecordError},
+    artefacts::{log::LogError, replay::ReplayError, result_table, run_files::RecordError},
     campaign::{comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError},
     loading::UpgradeError,
     render::RenderError,
@@ -38,8 +38,9 @@ pub(super) enum CommandError {
     Log(#[from] LogError),
     #[error(transparent)]
     Record(#[from] RecordError),
+    #[cfg(feature = "live")]
     #[error(transparent)]
-    Live(#[from] LiveError),
+    Live(#[from] crate::artefacts::recording::LiveError),
     #[error(transparent)]
     Sweep(#[from] SweepError),
     #[error(transparent)]

@@ -1,5 +1,6 @@
 //! Completions for shells and manual pages for `man`.
 
+#[cfg(feature = "man")]
 use std::{fs, path::Path};
 
 use clap::CommandFactory;
@@ -15,6 +16,7 @@ pub(super) fn completions(shell: Shell) -> Result<(), CommandError> {
 }
 
 /// Prints the manual page of the command, or writes the pages of all subcommands into a folder.
+#[cfg(feature = "man")]
 pub(super) fn manual(out: Option<&Path>) -> Result<(), CommandError> {
     let Some(folder) = out else {
         let mut text = Vec::new();

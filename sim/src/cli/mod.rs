@@ -46,7 +46,7 @@ use results_arguments::{CompareArguments, MergeArguments, Outputs, ReportArgumen
 
 /// Simulates an indoor robot and its cameras, localizes it by interval boxes, and checks every box against the truth.
 #[derive(Debug, Parser)]
-#[command(name = "wherein", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+#[command(name = "wherein", version, arg_required_else_help = true, after_help = after_help())]
 struct Cli {
     /// Graphics adapter to render with, by a part of its name, driver or backend. The environment variable WHEREIN_ADAPTER has the same effect.
     #[arg(long, value_name = "NAME", global = true)]
@@ -70,7 +70,6 @@ Examples:
   wherein sharpness renders/x/0                                   how much wider its boxes are than they must be
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from that pose
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
-  wherein run scenes/x.toml --live                                the same, live
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording
   wherein replay --robot robot.toml rosbag2_2026_05_04            a localizer on a log that another program recorded
   wherein judge renders/x/0/recording.mcap --estimate mine.tum    another program's estimates against the recorded truth
@@ -80,6 +79,14 @@ Examples:
   wherein schema > scenes/schema.json                             for editors that complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
+
+/// The text below the help, with what this program was built with.
+fn after_help() -> String {
+    let record = "  wherein replay renders/x";
+    let live = "  wherein run scenes/x.toml --live                                the same, live\n";
+    let told = if cfg!(feature = "live") { live } else { "" };
+    AFTER_HELP.replacen(record, &format!("{told}{record}"), 1)
+}
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -135,6 +142,7 @@ enum Command {
         shell: Shell,
     },
     /// Prints the manual page of the command, or writes one page for each subcommand too.
+    #[cfg(feature = "man")]
     Man {
         /// Write the pages wherein.1, wherein-run.1 and so on into this folder instead of printing one.
         #[arg(long, value_name = "DIR")]
@@ -180,6 +188,7 @@ pub fn main() -> ExitCode {
         Command::Upgrade(arguments) => upgrade::upgrade(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Scene(arguments) => print_scene(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => manual::completions(shell).map(|()| ExitCode::SUCCESS),
+        #[cfg(feature = "man")]
         Command::Man { out } => manual::manual(out.as_deref()).map(|()| ExitCode::SUCCESS),
         Command::Schema { markdown } => {
             print(&if markdown { keys_markdown() } else { schema_text() }).map(|()| ExitCode::SUCCESS)

@@ -1,6 +1,6 @@
 //! `wherein run`: runs scenes and seeds one after another, and records each run as soon as it is done.
 
-use std::{collections::BTreeMap, io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
+use std::{collections::BTreeMap, io::Write, path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
@@ -61,8 +61,9 @@ pub(super) struct RunArguments {
     #[arg(long)]
     ros2: bool,
     /// Serve the run in real time to viewers such as Foxglove; the first run begins when a viewer has connected.
+    #[cfg(feature = "live")]
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
-    live: Option<SocketAddr>,
+    live: Option<std::net::SocketAddr>,
     /// Write the results as JUnit XML into this file, too.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -107,7 +108,10 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
     if files.iter().any(|file| file.scene.has_camera()) {
         renderer = Some(Renderer::on_adapter(adapter)?);
     }
+    #[cfg(feature = "live")]
     let live = arguments.live.map(awaited).transpose()?;
+    #[cfg(not(feature = "live"))]
+    let live: Option<LiveServer> = None;
     let seeds = arguments.which.seeds();
     let bar =
         progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
@@ -135,7 +139,8 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
 }
 
 /// Starts a server for live viewers and waits until a viewer has connected.
-fn awaited(address: SocketAddr) -> Result<LiveServer, CommandError> {
+#[cfg(feature = "live")]
+fn awaited(address: std::net::SocketAddr) -> Result<LiveServer, CommandError> {
     let server = LiveServer::start(address)?;
     eprintln!("Waiting for a viewer: open a Foxglove WebSocket connection to ws://{}", server.address());
     server.await_viewer();

@@ -8,8 +8,6 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 use super::Interval;
 
 /// Error for a text that is not an interval.
@@ -48,15 +46,17 @@ impl fmt::Debug for Interval {
 }
 
 /// An interval is serialised as text, because numbers in JSON cannot be infinite.
-impl Serialize for Interval {
+#[cfg(feature = "serde")]
+impl serde::Serialize for Interval {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-impl<'de> Deserialize<'de> for Interval {
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Interval {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Interval, D::Error> {
-        let text = String::deserialize(deserializer)?;
+        let text = <String as serde::Deserialize>::deserialize(deserializer)?;
         text.parse().map_err(serde::de::Error::custom)
     }
 }
