@@ -150,7 +150,7 @@ fn the_image_is_built_by_a_compiler_that_is_new_enough_on_the_system_that_it_run
 #[test]
 fn the_image_runs_the_command_as_a_user_without_rights_and_copies_what_it_is_given() {
     let instructions = instructions();
-    let of = |name: &str| instructions.iter().filter(move |line| line.split(' ').next() == Some(name));
+    let of = |name: &'static str| instructions.iter().filter(move |line| line.split(' ').next() == Some(name));
     assert_eq!(of("ENTRYPOINT").collect::<Vec<_>>(), ["ENTRYPOINT [\"wherein\"]"]);
     assert_eq!(of("USER").collect::<Vec<_>>(), ["USER wherein"]);
     // What is copied has to be let through by .containerignore, and so has every crate of the workspace.
