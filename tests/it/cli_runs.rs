@@ -121,6 +121,32 @@ fn a_table_goes_between_the_markers_of_a_document() {
 }
 
 #[test]
+fn a_printed_table_has_eight_columns_and_more_by_name() {
+    let folder = folder("columns");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    let printed = |arguments: &[&str]| {
+        let (code, table, _) = outcome(&mut wherein(&folder, arguments));
+        assert_eq!(code, 0, "{table}");
+        table
+    };
+    let n_columns = |table: &str| table.lines().next().unwrap().matches('|').count() - 1;
+    let usual = printed(&["run", "scene.toml", "--seeds", "0..2"]);
+    // In a line of text, columns are two blanks apart.
+    let row = usual.lines().find(|line| line.contains("seed 1")).unwrap();
+    assert!(row.trim().split("  ").filter(|cell| !cell.trim().is_empty()).count() <= 8, "{row}");
+    assert!(row.contains("passed") && usual.contains("--columns all shows up to"), "{usual}");
+    let all = printed(&["run", "scene.toml", "--seeds", "0..2", "--columns", "all"]);
+    assert!(all.contains("checks") && !usual.contains("checks") && !all.contains("--columns"), "{all}");
+    assert_eq!(n_columns(&printed(&["table", "renders"])), 8);
+    assert!(n_columns(&printed(&["table", "renders", "--columns", "all"])) > 12);
+    let named = printed(&["table", "renders", "--columns", "verdict,scene,checks"]);
+    assert!(named.starts_with("| verdict | scene | checks |\n"), "{named}");
+    let (code, _, refusal) = outcome(&mut wherein(&folder, &["table", "renders", "--columns", "scene,check"]));
+    assert_eq!(code, 2);
+    assert!(refusal.contains("unknown column `check`") && refusal.contains("checks, contained"), "{refusal}");
+}
+
+#[test]
 fn a_marker_that_names_beginnings_takes_those_scenes_and_keeps_a_table_of_none() {
     let folder = folder("tables");
     for name in ["left", "right"] {

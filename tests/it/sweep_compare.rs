@@ -197,7 +197,7 @@ fn a_run_to_which_links_lead_in_a_circle_counts_once() {
     let (_, _, errors) = outcome(&mut wherein(&folder, &["report", "all"]));
     let rows = fs::read_to_string(folder.join("all/results.csv")).unwrap();
     assert_eq!(rows.lines().count(), 1 + 2, "{rows} {errors}");
-    let (_, table, _) = outcome(&mut wherein(&folder, &["table", "all"]));
+    let (_, table, _) = outcome(&mut wherein(&folder, &["table", "all", "--columns", "all"]));
     assert!(table.contains("| scene | 2 seeds | 42 |"), "{table}");
 }
 

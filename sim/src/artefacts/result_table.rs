@@ -12,10 +12,12 @@ use crate::{
 mod columns;
 mod layout;
 mod pool;
+mod shown;
 
 pub(crate) use pool::{Moments, methods, pool, pooled};
 
 pub use layout::{as_markdown, as_text};
+pub use shown::{MOST_COLUMNS, Shown};
 
 /// Beginning of the line of a document below which a results table stands. Between this text and `-->` the line may list beginnings of the names of
 /// scenes that the table shows, and options.

@@ -11,7 +11,7 @@ use crate::{
     artefacts::{
         debug_frames::Reel,
         recording::{Form, LiveServer, Recording},
-        result_table::{Outcome, as_text, lines},
+        result_table::{Outcome, Shown, as_text, lines},
         run_files::{self, FILM, Followed, SUBJECT_LOG, program_digest, scene_digest},
     },
     campaign::{
@@ -51,6 +51,10 @@ pub(super) struct RunArguments {
     /// Write film.png too, an animated PNG of 10 to 20 seconds: what each camera sees, the map with the boxes, and the outcome.
     #[arg(long)]
     film: bool,
+    /// Columns of the printed table: all, or names with commas between them, such as run,checks,speed. Without this option those that a reader
+    /// needs first, eight at most.
+    #[arg(long, value_name = "NAMES", conflicts_with = "json")]
+    columns: Option<Shown>,
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]
     json: bool,
@@ -239,7 +243,7 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
         print(&format!("{summaries:#}\n"))?;
     } else {
         let outcomes: Vec<Outcome> = recorded.iter().map(|one| one.outcome.clone()).collect();
-        print(&as_text(&lines(&outcomes, true)))?;
+        print(&as_text(&lines(&outcomes, true), &arguments.columns.clone().unwrap_or_default()))?;
         print(&not_applicable(recorded))?;
         if !arguments.baselines {
             print("\nOdometry is the only other method that was run; --baselines runs the papers' and others.\n")?;

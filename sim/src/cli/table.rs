@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 use clap::Args;
 
 use crate::artefacts::{
-    result_table::{BEGIN, END, Kind, Outcome, as_markdown, lines},
+    result_table::{BEGIN, END, Kind, Outcome, Shown, as_markdown, lines},
     run_files::{self, naming, run_folders},
 };
 
@@ -22,6 +22,10 @@ pub(super) struct TableArguments {
     /// rows of the baselines, other methods on the same readings.
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
+    /// Columns of the table: all, or names with commas between them, such as scene,run,checks. Without this option those that a reader needs first,
+    /// eight at most.
+    #[arg(long, value_name = "NAMES")]
+    columns: Option<Shown>,
 }
 
 /// Option that leaves out of a results table the rows of the baselines: odometry alone and other methods on the same readings.
@@ -42,14 +46,15 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
         }
     }
     outcomes.sort_by(|one, other| (&one.scene, one.seed).cmp(&(&other.scene, other.seed)));
-    let Some(document) = &arguments.into else { return print(&as_markdown(&lines(&outcomes, false))) };
+    let columns = arguments.columns.clone().unwrap_or_default();
+    let Some(document) = &arguments.into else { return print(&as_markdown(&lines(&outcomes, false), &columns)) };
     let text = naming("read", document, fs::read_to_string(document))?;
-    let updated = with_tables(&text, &outcomes).ok_or_else(|| CommandError::NoMarkers(document.clone()))?;
+    let updated = with_tables(&text, &outcomes, &columns).ok_or_else(|| CommandError::NoMarkers(document.clone()))?;
     Ok(naming("write", document, fs::write(document, updated))?)
 }
 
 /// Returns the document with a results table between each pair of marker lines; `None` when there is no such pair, or when one of a pair is missing.
-fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
+fn with_tables(text: &str, outcomes: &[Outcome], columns: &Shown) -> Option<String> {
     let mut pieces = text.split(BEGIN);
     let mut updated = pieces.next()?.to_owned();
     let mut n_tables = 0;
@@ -65,7 +70,7 @@ fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
         // Where none of the recorded runs belongs to the scenes that a table selects, the table in the document stays as it is.
         let mut shown = lines(&wanted, false);
         shown.retain(|line| options.is_empty() || line.kind != Kind::Baseline);
-        let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&shown)) };
+        let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&shown, columns)) };
         let marker = [BEGIN].into_iter().chain(words).collect::<Vec<_>>().join(" ");
         updated += &format!("{marker} -->{table}{END}{after}");
         n_tables += 1;

@@ -6,6 +6,8 @@ use super::Line;
 
 /// One column of the result table.
 pub(super) struct Column {
+    /// Name of the column on the command line.
+    pub(super) name: &'static str,
     /// Heading of the column.
     pub(super) heading: &'static str,
     /// Unit of the column's figures.
@@ -16,12 +18,12 @@ pub(super) struct Column {
     pub(super) is_text: bool,
 }
 
-const fn text(heading: &'static str, cell: fn(&Line) -> String) -> Column {
-    Column { heading, unit: "", cell, is_text: true }
+const fn text(name: &'static str, heading: &'static str, cell: fn(&Line) -> String) -> Column {
+    Column { name, heading, unit: "", cell, is_text: true }
 }
 
-const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> String) -> Column {
-    Column { heading, unit, cell, is_text: false }
+const fn number(name: &'static str, heading: &'static str, unit: &'static str, cell: fn(&Line) -> String) -> Column {
+    Column { name, heading, unit, cell, is_text: false }
 }
 
 /// All columns of the result table, from left to right. Errors are those of the third of a run in which they were greatest. Widths are full widths of
@@ -32,41 +34,76 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 /// "3σ" the full width of that region. A method's "of position" and "of
 /// heading" are its shares of all the times that methods halved the box's widths.
 pub(super) const COLUMNS: [Column; 34] = [
-    text("scene", |line| line.scene.clone()),
-    text("localizer", |line| line.subject.clone()),
-    text(RUN, |line| line.run.clone()),
-    number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
-    number("contained", "%", |line| share(line.figures.get("containment.contained_share"))),
-    number("bound broken", "", |line| show(line, "containment.bound_broken", 1.0, 0)),
-    number("perception", "", |line| show(line, "containment.perception", 1.0, 0)),
-    number("unsound", "", |line| show(line, "containment.unsound", 1.0, 0)),
-    number("rmse x", "mm", |line| show(line, "error.x_m.rmse_worst_third", 1e3, 2)),
-    number("rmse y", "mm", |line| show(line, "error.y_m.rmse_worst_third", 1e3, 2)),
-    number("rmse heading", "°", |line| show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)),
-    number("width", "mm", |line| wider(&line.figures, "width")),
-    number("width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
-    number("at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
-    number("at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
-    number("NEES", "", |line| show(line, "distribution.nees.mean", 1.0, 1)),
-    number("in 3σ", "%", |line| share(line.figures.get("distribution.within_3_sigma_share"))),
-    number("3σ", "mm", |line| wider(&line.figures, "distribution.region_3_sigma")),
-    number("3σ", "°", |line| show(line, "distribution.region_3_sigma.heading_rad.mean", DEGREES, 2)),
-    number("x error / half", "max, 99.9 %", |line| power(&line.figures, "x_m")),
-    number("y error / half", "max, 99.9 %", |line| power(&line.figures, "y_m")),
-    number("heading error / half", "max, 99.9 %", |line| power(&line.figures, "heading_rad")),
-    number("available", "%", |line| share(line.figures.get("availability"))),
-    number("readings", "", |line| show(line, "method.readings", 1.0, 0)),
-    number("fixes", "", |line| show(line, "method.constraints", 1.0, 0)),
-    number("of position", "%", |line| show(line, "method.position_share", 1e2, 1)),
-    number("of heading", "%", |line| show(line, "method.heading_share", 1e2, 1)),
-    number("goals reached", "%", |line| share(goals_reached(&line.figures).as_ref())),
-    number("arrival", "mm", |line| show(line, "metrics.arrival_error_mean_m", 1e3, 1)),
-    number("off path p95", "mm", |line| show(line, "metrics.path_deviation_p95_m", 1e3, 1)),
-    number("collisions", "", |line| show(line, "metrics.collisions", 1.0, 0)),
-    number("speed", "× real", |line| show(line, "timing.real_time_factor", 1.0, 1)),
-    number("solved in", "µs", |line| show(line, "timing.solve_us", 1.0, 1)),
-    text("verdict", |line| line.verdict.clone()),
+    text("scene", "scene", |line| line.scene.clone()),
+    text("localizer", "localizer", |line| line.subject.clone()),
+    text("run", RUN, |line| line.run.clone()),
+    number("checks", "checks", "", |line| show(line, "containment.checks", 1.0, 0)),
+    number("contained", "contained", "%", |line| share(line.figures.get("containment.contained_share"))),
+    number("bound_broken", "bound broken", "", |line| show(line, "containment.bound_broken", 1.0, 0)),
+    number("perception", "perception", "", |line| show(line, "containment.perception", 1.0, 0)),
+    number("unsound", "unsound", "", |line| show(line, "containment.unsound", 1.0, 0)),
+    number("rmse_x", "rmse x", "mm", |line| show(line, "error.x_m.rmse_worst_third", 1e3, 2)),
+    number("rmse_y", "rmse y", "mm", |line| show(line, "error.y_m.rmse_worst_third", 1e3, 2)),
+    number("rmse_heading", "rmse heading", "°", |line| show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)),
+    number("width", "width", "mm", |line| wider(&line.figures, "width")),
+    number("width_heading", "width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
+    number("at_fix", "at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
+    number("at_fix_heading", "at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
+    number("nees", "NEES", "", |line| show(line, "distribution.nees.mean", 1.0, 1)),
+    number("in_3_sigma", "in 3σ", "%", |line| share(line.figures.get("distribution.within_3_sigma_share"))),
+    number("width_3_sigma", "3σ", "mm", |line| wider(&line.figures, "distribution.region_3_sigma")),
+    number("width_3_sigma_heading", "3σ", "°", |line| {
+        show(line, "distribution.region_3_sigma.heading_rad.mean", DEGREES, 2)
+    }),
+    number("power_x", "x error / half", "max, 99.9 %", |line| power(&line.figures, "x_m")),
+    number("power_y", "y error / half", "max, 99.9 %", |line| power(&line.figures, "y_m")),
+    number("power_heading", "heading error / half", "max, 99.9 %", |line| power(&line.figures, "heading_rad")),
+    number("available", "available", "%", |line| share(line.figures.get("availability"))),
+    number("readings", "readings", "", |line| show(line, "method.readings", 1.0, 0)),
+    number("fixes", "fixes", "", |line| show(line, "method.constraints", 1.0, 0)),
+    number("of_position", "of position", "%", |line| show(line, "method.position_share", 1e2, 1)),
+    number("of_heading", "of heading", "%", |line| show(line, "method.heading_share", 1e2, 1)),
+    number("goals", "goals reached", "%", |line| share(goals_reached(&line.figures).as_ref())),
+    number("arrival", "arrival", "mm", |line| show(line, "metrics.arrival_error_mean_m", 1e3, 1)),
+    number("off_path", "off path p95", "mm", |line| show(line, "metrics.path_deviation_p95_m", 1e3, 1)),
+    number("collisions", "collisions", "", |line| show(line, "metrics.collisions", 1.0, 0)),
+    number("speed", "speed", "× real", |line| show(line, "timing.real_time_factor", 1.0, 1)),
+    number("solved_in", "solved in", "µs", |line| show(line, "timing.solve_us", 1.0, 1)),
+    text("verdict", "verdict", |line| line.verdict.clone()),
 ];
+
+/// Names of columns in the order in which they are chosen where a table has room for some only: what runs came to, and then how. Those of methods and
+/// of baselines follow.
+pub(super) const FIRST: [&str; 25] = [
+    "scene",
+    "run",
+    "verdict",
+    "localizer",
+    "contained",
+    "unsound",
+    "bound_broken",
+    "perception",
+    "in_3_sigma",
+    "width",
+    "width_heading",
+    "nees",
+    "width_3_sigma",
+    "width_3_sigma_heading",
+    "collisions",
+    "goals",
+    "available",
+    "rmse_x",
+    "rmse_y",
+    "rmse_heading",
+    "readings",
+    "fixes",
+    "of_position",
+    "of_heading",
+    "solved_in",
+];
+
+/// Names of columns with counts of what went wrong. Where all are 0, others have their room.
+pub(super) const FAULTS: [&str; 3] = ["bound_broken", "perception", "collisions"];
 
 /// Heading of the column that names runs.
 pub(super) const RUN: &str = "run";

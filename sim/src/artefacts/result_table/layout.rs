@@ -3,17 +3,26 @@
 use super::{
     Kind, Line,
     columns::{COLUMNS, Column, RUN, SCENE},
+    shown::Shown,
 };
 
 /// The table as text: aligned columns under headings of two lines, each scene's name above its lines, and tables of runs, methods and
-/// baselines in that order.
-pub fn as_text(lines: &[Line]) -> String {
-    tables(lines).into_iter().map(|(kind, lines)| aligned(kind, &lines)).collect::<Vec<_>>().join("\n")
+/// baselines in that order. Where columns are left out of any of them, a last line says how to see them.
+pub fn as_text(lines: &[Line], shown: &Shown) -> String {
+    let (tables, n_left_out): (Vec<String>, Vec<usize>) =
+        tables(lines).into_iter().map(|(kind, lines)| aligned(kind, &lines, shown)).unzip();
+    match n_left_out.into_iter().max() {
+        Some(n @ 1..) if *shown == Shown::Usual => {
+            let columns = if n == 1 { "one more column" } else { &format!("up to {n} more columns") };
+            format!("{}\n--columns all shows {columns}.\n", tables.join("\n"))
+        }
+        _ => tables.join("\n"),
+    }
 }
 
 /// The same result table as Markdown.
-pub fn as_markdown(lines: &[Line]) -> String {
-    tables(lines).into_iter().map(|(kind, lines)| markdown(kind, &lines)).collect::<Vec<_>>().join("\n")
+pub fn as_markdown(lines: &[Line], shown: &Shown) -> String {
+    tables(lines).into_iter().map(|(kind, lines)| markdown(kind, &lines, shown)).collect::<Vec<_>>().join("\n")
 }
 
 /// The table's lines grouped by kind (runs, methods, baselines), because lines of different kinds fill different columns.
@@ -22,11 +31,11 @@ fn tables(lines: &[Line]) -> Vec<(Kind, Vec<&Line>)> {
     [Kind::Runs, Kind::Method, Kind::Baseline].map(of).into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
 }
 
-fn aligned(kind: Kind, lines: &[&Line]) -> String {
+/// The aligned table of lines of one kind, and the number of columns that are left out of it.
+fn aligned(kind: Kind, lines: &[&Line], shown: &Shown) -> (String, usize) {
     let rows: Vec<Vec<String>> = lines.iter().map(|line| cells(line)).collect();
-    // The scene's name has a line of its own, so that its column is left out, as are columns that no line fills.
-    let is_shown = |column: usize| column != SCENE && rows.iter().any(|row| !row[column].is_empty());
-    let shown: Vec<usize> = (0..COLUMNS.len()).filter(|column| is_shown(*column)).collect();
+    // The scene's name has a line of its own, so that its column is left out.
+    let (shown, n_left_out) = shown.columns(&rows, Some(SCENE));
     let (upper, lower): (Vec<String>, Vec<String>) =
         COLUMNS.iter().map(|column| heading_lines(heading(column, kind), column.unit)).unzip();
     let width = |column: usize| {
@@ -48,10 +57,10 @@ fn aligned(kind: Kind, lines: &[&Line]) -> String {
         }
         text += &aligned(row);
     }
-    text
+    (text, n_left_out)
 }
 
-fn markdown(kind: Kind, lines: &[&Line]) -> String {
+fn markdown(kind: Kind, lines: &[&Line], shown: &Shown) -> String {
     let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let heading = |column: &Column| match (heading(column, kind), column.unit) {
         (heading, "") => heading.to_owned(),
@@ -59,8 +68,7 @@ fn markdown(kind: Kind, lines: &[&Line]) -> String {
     };
     let rule = |column: &Column| if column.is_text { ":--" } else { "--:" }.to_owned();
     let rows: Vec<Vec<String>> = lines.iter().map(|line| cells(line)).collect();
-    let shown: Vec<usize> =
-        (0..COLUMNS.len()).filter(|column| rows.iter().any(|row| !row[*column].is_empty())).collect();
+    let (shown, _) = shown.columns(&rows, None);
     let shown_of = |cell: &dyn Fn(usize) -> String| row(shown.iter().map(|column| cell(*column)).collect());
     let mut text = shown_of(&|column| heading(&COLUMNS[column]));
     text += &shown_of(&|column| rule(&COLUMNS[column]));

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::{
-    artefacts::wording::outside_by,
+    artefacts::{result_table::MOST_COLUMNS, wording::outside_by},
     campaign::cases::{CaseResult, Replay, Results},
 };
 
@@ -145,7 +145,14 @@ fn table(overview: &Overview) -> String {
     };
     let mut rows = vec![headings];
     rows.extend(overview.groups.iter().take(MOST_GROUPS).map(row));
+    // What tells the lines apart is always shown, and whether the cases passed.
+    let n_columns = rows[0].len();
+    let n_shown = MOST_COLUMNS.max(n_texts + 1).min(n_columns);
+    rows.iter_mut().for_each(|row| row.truncate(n_shown));
     let mut text = aligned(&rows, n_texts);
+    if n_columns > n_shown {
+        text += &format!("  report.html shows {} more figures of each line\n", n_columns - n_shown);
+    }
     if overview.groups.len() > MOST_GROUPS {
         text += &format!("  and {} combinations more\n", overview.groups.len() - MOST_GROUPS);
     }
