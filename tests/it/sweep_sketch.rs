@@ -91,7 +91,7 @@ fn a_sweep_read_in_pieces_has_the_figures_of_the_sweep_read_at_once_and_leaves_t
     let at_once = Overview::of(&Results::read(&folder).unwrap());
     let sketch = Sketch::of_sweep(&folder, &plan, &|_| true).unwrap();
     let (in_pieces, kept) = sketch.finish(Some(plan));
-    let again = Sketch::of_tables(&[folder.clone()]).unwrap().finish(None).0;
+    let again = Sketch::of_tables(std::slice::from_ref(&folder)).unwrap().finish(None).0;
     assert_eq!(fs::read_dir(folder.join("results")).unwrap().count(), 1);
     assert_eq!(kept.cases.len(), 12);
     for overview in [in_pieces, again] {

@@ -178,8 +178,8 @@ mod tests {
             assert!((ground.height_m - height_m).abs() < 1e-12, "{ground:?}");
             let height = |dx: f64, dy: f64| floor.at(x_m + dx, y_m + dy).height_m;
             let by_difference = [height(1e-6, 0.0) - height(-1e-6, 0.0), height(0.0, 1e-6) - height(0.0, -1e-6)];
-            for axis in 0..2 {
-                assert!((ground.slope[axis] - by_difference[axis] / 2e-6).abs() < 1e-6, "{ground:?}");
+            for (slope, difference) in ground.slope.into_iter().zip(by_difference) {
+                assert!((slope - difference / 2e-6).abs() < 1e-6, "{ground:?}");
             }
         }
         let middle = floor.at(2.0, 1.5);
