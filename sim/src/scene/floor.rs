@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::building::Covering;
+use super::{building::Covering, markers::is_zero};
 
 /// Floor of the room: tiles or covering, friction, regions with properties of their own, and things that lie on the floor.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -121,8 +121,9 @@ pub struct Region {
     pub x_m: [f64; 2],
     /// Range of world y that the floor region covers before it is turned by `rotation_deg`, from the least to the greatest.
     pub y_m: [f64; 2],
-    /// Angle by which the floor region is turned about its middle, counter-clockwise. The region must lie within the room as it is turned.
-    #[serde(default)]
+    /// Angle by which the floor region is turned about its middle, counter-clockwise; 0 unless stated. The region must lie within the room as it is
+    /// turned.
+    #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rotation_deg: f64,
     /// Friction coefficient between tyre and floor in the region.

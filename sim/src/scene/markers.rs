@@ -243,7 +243,7 @@ fn is_false(is: &bool) -> bool {
     !*is
 }
 
-fn is_zero(number: &f64) -> bool {
+pub(super) fn is_zero(number: &f64) -> bool {
     *number == 0.0
 }
 

@@ -17,6 +17,9 @@ impl Replay {
         if case.subject_is_elsewhere {
             return Replay(elsewhere(case));
         }
+        if case.scene_path.as_os_str().is_empty() {
+            return Replay(of_scene_elsewhere(case));
+        }
         let scene = case.scene_path.display().to_string();
         let log = case.timing().and_then(|timing| timing["log_path"].as_str());
         let mut words = program();
@@ -39,6 +42,14 @@ impl Replay {
         add(&["--out", out]);
         Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
     }
+}
+
+/// What runs a case again of which only the name of its scene is known, as for a table of results without the sweep that it came from.
+fn of_scene_elsewhere(case: &CaseResult) -> String {
+    let CaseResult { scene, seed, .. } = case;
+    let subject = subject_option(&case.subject);
+    let settings: String = case.settings.iter().map(|one| format!(" --set {}", quoted(&one.to_string()))).collect();
+    format!("# run the scene {scene} from its file, which is not known here, with{settings} --seed {seed}{subject}")
 }
 
 /// What runs a case again whose localizer lives in a program of its user, and not in a command.
@@ -111,6 +122,11 @@ mod tests {
             recorded: Recorded::Missing,
         };
         assert!(Replay::of(&case, "renders").to_string().contains(" --subject 'my filter' --seed 3 "));
+        case.scene_path = PathBuf::new();
+        let told = Replay::of(&case, "renders").to_string();
+        assert!(told.starts_with("# run the scene x "), "{told}");
+        assert!(told.ends_with("with --set duration_s=20 --seed 3 --subject 'my filter'"), "{told}");
+        case.scene_path = PathBuf::from("x.toml");
         case.subject_is_elsewhere = true;
         let told = Replay::of(&case, "renders").to_string();
         assert!(told.starts_with('#') && !told.contains("--subject"), "{told}");

@@ -36,7 +36,7 @@ impl Sketched {
     pub(super) fn note(&self) -> String {
         let Sketched { most_whole, n_kept, n_unlisted, .. } = self;
         let mut note = format!(
-            "With more than {most_whole} cases the report is made of sketches: counts, means and extremes are those of all cases, quantiles are \
+            "A report on more than {most_whole} cases, or on tables alone, is made of sketches: counts, means and extremes are those of all cases, quantiles are \
              within {} %, and of the cases themselves only the {n_kept} worst are kept.",
             1e2 * self.accuracy
         );

@@ -99,7 +99,10 @@ impl<'a> Drawing<'a> {
             let aside = match view {
                 View::Camera(camera) => self.camera(&mut canvas, *panel, *camera, moment.pictures),
                 View::Range => self.range(&mut canvas, *panel, time_s),
-                View::CloseUp => self.close_up(&mut canvas, *panel, moment.step, time_s),
+                View::CloseUp => {
+                    self.close_up(&mut canvas, *panel, moment.step, time_s);
+                    String::new()
+                }
             };
             let name = match view {
                 View::Camera(camera) => format!("{} camera", camera.as_str()),
@@ -163,11 +166,11 @@ impl<'a> Drawing<'a> {
         format!("{} known", learnt_by(self.record, time_s).len())
     }
 
-    /// Draws the map close to the robot, and returns in words how much of the floor it shows.
-    fn close_up(&self, canvas: &mut Canvas, panel: Panel, step: Option<usize>, time_s: f64) -> String {
+    /// Draws the map close to the robot.
+    fn close_up(&self, canvas: &mut Canvas, panel: Panel, step: Option<usize>, time_s: f64) {
         let Some((step, truth)) = step.and_then(|step| Some((step, self.record.truths.get(step)?.pose))) else {
             nothing_yet(canvas, panel, "no answer");
-            return String::new();
+            return;
         };
         // What is stated fills between a quarter and a half of the view, whose scale changes only now and then.
         let shown_m = 2_f64.powf((2.0 * self.reach_m(step, truth)).log2().ceil()).clamp(1.0 / 64.0, 1.0);
@@ -181,7 +184,6 @@ impl<'a> Drawing<'a> {
         self.answer(canvas, &view, WEDGES_PX[1], step, truth);
         view.draw_truth(canvas, truth, ARROWS_PX[1]);
         view.draw_scale(canvas);
-        String::new()
     }
 
     /// Distance from the truth that what the localizer states reaches along x or y; of several boxes that of the nearest.

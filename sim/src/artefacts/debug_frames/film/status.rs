@@ -82,8 +82,8 @@ fn cause(judgement: Judgement) -> &'static str {
     match judgement {
         Judgement::Contained => "",
         Judgement::BoundBroken => ", bound broken",
-        Judgement::Perception => ", false claims",
-        Judgement::Unsound => ", no cause found",
+        Judgement::Perception => ", perception",
+        Judgement::Unsound => ", unsound",
     }
 }
 
