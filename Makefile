@@ -15,7 +15,7 @@ export NODEVICE_SELECT = 1
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
 	@echo "make test          run all tests"
-	@echo "make test-long     run the tests that take a minute or more each"
+	@echo "make test-long     run all tests at full length, with those that take a minute or more"
 	@echo "make lint          formatting, clippy and documentation, warnings refused"
 	@echo "make bench         measure speed, and memory over a drive of 100 000 steps"
 	@echo "make bench-render  render a room, and a like one with MuJoCo where Python has it"
@@ -56,9 +56,9 @@ demo: driver build
 test: driver
 	cargo test --workspace
 
-# Tests that are ignored otherwise.
+# All tests with those that are ignored otherwise, and as many rounds, seeds and scenes as the tests know.
 test-long: driver
-	cargo test --workspace -- --ignored
+	WHEREIN_LONG=1 cargo test --workspace -- --include-ignored
 
 lint:
 	cargo fmt --all --check

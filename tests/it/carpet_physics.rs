@@ -6,6 +6,7 @@ use sim::{
     world::{Drawn, World},
 };
 
+use crate::command::rounds;
 use crate::world_setup::{command, hold, nominal, nominal_world, scene};
 
 /// Share of the robot's weight that the drive wheels carry.
@@ -168,14 +169,14 @@ fn a_lifted_robot_is_put_down_where_and_as_hands_want() {
 
 #[test]
 fn a_robot_at_rest_drifts_less_than_five_micrometres_an_hour() {
-    const MINUTES: f64 = 15.0;
+    let minutes = rounds(4.0, 15.0);
     let carpet = serde_json::json!({ "pile_stiffness": 5.0, "nap_drift": 0.02, "drag": 0.05, "height_m": 0.004 });
     let rests = |scene: &Scene| {
         let mut world = World::new(scene, &Drawn::draw(scene, 5));
         let settled = hold(&mut world, command(0.0, 0.0), 5.0);
-        let truth = hold(&mut world, command(0.0, 0.0), MINUTES * 60.0);
+        let truth = hold(&mut world, command(0.0, 0.0), minutes * 60.0);
         let drift_m = (truth.pose.x_m - settled.pose.x_m).hypot(truth.pose.y_m - settled.pose.y_m);
-        assert!(drift_m <= 5e-6 * MINUTES / 60.0, "drifted {drift_m} m in {MINUTES} minutes");
+        assert!(drift_m <= 5e-6 * minutes / 60.0, "drifted {drift_m} m in {minutes} minutes");
     };
     let scenes = [scene(serde_json::json!({})), on_carpet(33.0, carpet)];
     std::thread::scope(|scope| scenes.iter().for_each(|scene| drop(scope.spawn(move || rests(scene)))));

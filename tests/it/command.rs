@@ -25,6 +25,11 @@ pub(crate) fn folder_of(name: &str, texts: &[(&str, &str)]) -> PathBuf {
     folder
 }
 
+/// How many rounds, seeds or scenes of a test to go through: `few` in `make test`, `all` in `make test-long`, which sets `WHEREIN_LONG`.
+pub(crate) fn rounds<N>(few: N, all: N) -> N {
+    if std::env::var_os("WHEREIN_LONG").is_some() { all } else { few }
+}
+
 /// The root folder of the repository.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()

@@ -29,7 +29,10 @@ use sim::{
     truth::Truth,
 };
 
-use crate::{command::root, judging::verdict_of};
+use crate::{
+    command::{root, rounds},
+    judging::verdict_of,
+};
 
 /// A scene of the repository, shortened to `duration_s`, with every error drawn from the distribution `errors`.
 fn scene(path: &str, duration_s: f64, errors: Distribution) -> Scene {
@@ -73,11 +76,7 @@ fn would_lose(record: &RunRecord, axes: &[usize]) -> bool {
 
 #[test]
 fn with_tiles_at_their_corners_a_place_45_percent_too_narrow_loses_the_truth() {
-    let records: Vec<RunRecord> =
-        (0..3).map(|seed| contained("tiles.toml", 15.0, Distribution::Corner, seed)).collect();
-    for axes in [&[0, 1, 2][..], &[0], &[1]] {
-        assert!(records.iter().any(|record| would_lose(record, axes)), "axes {axes:?}");
-    }
+    assert_narrower_places_lose("tiles.toml", 15.0);
 }
 
 #[test]
@@ -92,13 +91,23 @@ fn with_walls_in_a_drift_a_heading_45_percent_too_narrow_loses_the_truth() {
     assert!(would_lose(&record, &[2]) && would_lose(&record, &[0, 1, 2]));
 }
 
+/// Asserts that among three seeds, each of which keeps the truth, boxes 45 % too small lose it along all axes, along x and along y. Without
+/// `make test-long` no more seeds are driven once each has been lost.
+fn assert_narrower_places_lose(path: &str, duration_s: f64) {
+    let mut kept = vec![&[0, 1, 2][..], &[0], &[1]];
+    for seed in 0..3 {
+        let record = contained(path, duration_s, Distribution::Corner, seed);
+        kept.retain(|axes| !would_lose(&record, axes));
+        if rounds(kept.is_empty(), false) {
+            break;
+        }
+    }
+    assert!(kept.is_empty(), "{path}: axes {kept:?}");
+}
+
 #[test]
 fn with_markers_at_their_corners_a_place_45_percent_too_narrow_loses_the_truth() {
-    let records: Vec<RunRecord> =
-        (0..3).map(|seed| contained("papers/ir_markers_lab.toml", 25.0, Distribution::Corner, seed)).collect();
-    for axes in [&[0, 1, 2][..], &[0], &[1]] {
-        assert!(records.iter().any(|record| would_lose(record, axes)), "axes {axes:?}");
-    }
+    assert_narrower_places_lose("papers/ir_markers_lab.toml", 25.0);
 }
 
 /// A method whose constraints leave boxes 45 % too small about their middle, along the axes that they narrow. Its readings relate something only where

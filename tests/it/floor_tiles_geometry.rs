@@ -13,6 +13,8 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vecto
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::command::rounds;
+
 const HEIGHT_M: f64 = 0.25;
 const SCALE: f64 = 640.0 / 0.48;
 const TILT_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
@@ -195,7 +197,7 @@ impl Situation {
 #[test]
 fn the_heading_relation_and_the_position_relation_keep_the_true_pose() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    for trial in 0..2000 {
+    for trial in 0..rounds(600, 2000) {
         let situation = situation(&mut rng, trial % 2 == 0, SMALL);
         let lines = situation.lines(&mut rng);
         let prior = situation.prior(&mut rng, [0.02, 0.02, 0.02]);
@@ -209,7 +211,8 @@ fn the_heading_relation_and_the_position_relation_keep_the_true_pose() {
 #[test]
 fn no_tilt_within_its_bound_loses_the_true_pose_however_great() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
-    let rounds = std::env::var("WHEREIN_FLOOR_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(300);
+    let rounds =
+        std::env::var("WHEREIN_FLOOR_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(rounds(80, 300));
     for [body_deg, mount_deg] in [[0.5, 0.5], [1.0, 1.0], [3.0, 3.0], [10.0, 1.0], [30.0, 1.0], [1.0, 10.0]] {
         let tilts = Tilts { body: f64::to_radians(body_deg), mount: f64::to_radians(mount_deg) };
         let (mut n_told, mut widths) = (0, [0.0; 3]);

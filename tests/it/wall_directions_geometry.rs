@@ -12,6 +12,8 @@ use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::command::rounds;
+
 const FOCAL_PX: f64 = 417.0;
 const CENTRE_PX: [f64; 2] = [319.5, 239.5];
 const TILT_UP_RAD: f64 = 0.15;
@@ -150,7 +152,7 @@ fn holds(headings: &[Interval], heading_rad: f64) -> bool {
 #[test]
 fn walls_of_two_directions_keep_the_true_heading_with_as_many_edges_wrong_as_declared() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let (mut widths, n_rooms) = (Vec::new(), 600);
+    let (mut widths, n_rooms) = (Vec::new(), rounds(200, 600));
     for _ in 0..n_rooms {
         let truth = TrueCamera::draw(&mut rng);
         let heading_rad = rng.random_range(-20.0..20.0);
@@ -476,7 +478,7 @@ fn behind_a_bent_lens_no_error_of_its_optics_loses_the_heading() {
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let body = BodyModel { tilt_rad: 0.0, heave_m: 0.0, clearance_m: 0.1 };
     let mut n_told = 0;
-    for round in 0..10_000 {
+    for round in 0..rounds(3000, 10_000) {
         let distortion = lenses[round % 3];
         let [centre_off_px, focal_share] = [[5.0, 0.0], [0.2, 0.01], [10.0, 0.02]][round / 3 % 3];
         let told = ForwardCameraModel {
@@ -505,7 +507,7 @@ fn behind_a_bent_lens_no_error_of_its_optics_loses_the_heading() {
         let walls = WallDirections::with(told, &body, &reach, &[Interval::ZERO], without_wrong_edges());
         n_told += usize::from(heading_of_image(walls, &edges, heading_rad, &prior).is_some());
     }
-    assert!(n_told > 2000, "{n_told}");
+    assert!(n_told > rounds(600, 2000), "{n_told}");
 }
 
 #[test]
