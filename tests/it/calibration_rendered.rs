@@ -22,7 +22,10 @@ use sim::{
     world::Drawn,
 };
 
-use crate::render_studio::{exposed, renderer};
+use crate::{
+    command::{folder, outcome, wherein},
+    render_studio::{exposed, renderer},
+};
 
 const FOCAL_PX: [f64; 2] = [755.139, 753.926];
 const CENTRE_PX: [f64; 2] = [320.252, 239.661];
@@ -113,6 +116,48 @@ fn twenty_rendered_views_of_a_chessboard_give_the_intrinsics_within_a_thousandth
         assert!((coefficient - DISTORTION[axis]).abs() < 0.06, "k {coefficient}, {calibration:?}");
     }
     assert!(calibration.rms_px < 0.1, "{calibration:?}");
+}
+
+#[test]
+fn the_command_declares_a_camera_that_pictures_of_a_board_show() {
+    let place = folder("board");
+    let names: Vec<String> = (0..20).map(|index| format!("{index}.png")).collect();
+    for (picture, name) in board_pictures(20).iter().zip(&names) {
+        picture.save(place.join(name)).unwrap();
+    }
+    let robot = "room = { width_m = 5.0, depth_m = 5.0 }\nstart = { x_m = 2.0, y_m = 2.0, heading_deg = 0.0 }\n[localizer]\nmethods = []\n\
+                 [[route.waypoint]]\nx_m = 3.0\ny_m = 2.0\n";
+    std::fs::write(place.join("robot.toml"), robot).unwrap();
+    let board = ["calibrate", "board", "--board", "12x9", "--square-m", "0.025"];
+    let pictures: Vec<&str> = names.iter().map(String::as_str).collect();
+    let out = ["--robot", "robot.toml", "--out", "camera.toml"];
+    let (code, told, errors) = outcome(&mut wherein(&place, &[&board, &pictures[..], &out].concat()));
+    assert_eq!(code, 0, "{errors}");
+    assert!(told.starts_with("20 views of the board in pictures of 640 × 480 px"), "{told}");
+    let declared = Scene::load(&place.join("camera.toml")).unwrap().robot.ceiling_camera.unwrap();
+    let calibration = &declared.calibration;
+    for axis in 0..2 {
+        let off = (declared.focal_px[axis] / FOCAL_PX[axis] - 1.0).abs();
+        assert!(off < calibration.focal_tolerance && calibration.focal_tolerance < 0.004, "{told}");
+        let off_px = (declared.principal_point_px[axis] - CENTRE_PX[axis]).abs();
+        let within_px = calibration.principal_point_tolerance_px;
+        assert!(off_px < within_px && within_px < 3.0, "{told}");
+    }
+    // What the coefficients say of a pixel in a corner of the image, by Brown's model for a radius r: f·r·(k₁r² + k₂r⁴).
+    let radius = (320.0_f64 / 755.0).hypot(240.0 / 754.0);
+    let bend_px = |k: [f64; 2]| 755.0 * radius * (k[0] * radius.powi(2) + k[1] * radius.powi(4));
+    let [k1, k2, p1, p2, k3] = declared.lens.distortion;
+    assert_eq!([p1, p2, k3], [0.0; 3]);
+    let off_px = (bend_px([k1, k2]) - bend_px(DISTORTION)).abs();
+    assert!(off_px < calibration.distortion_tolerance_px + 0.3, "{off_px} px, {told}");
+    // What calibrates nothing is refused, and nothing is written.
+    let few = [&board, &pictures[..3], &["--robot", "robot.toml", "--out", "few.toml"][..]].concat();
+    let (code, _, errors) = outcome(&mut wherein(&place, &few));
+    assert!(code == 2 && errors.contains("3 show all 12×9 squares, expected at least 6"), "{errors}");
+    assert!(!place.join("few.toml").exists());
+    let other = ["calibrate", "board", "--board", "11x8", "--square-m", "0.025", "0.png"];
+    let (code, _, errors) = outcome(&mut wherein(&place, &other));
+    assert!(code == 2 && errors.contains("expected at least 6; not in 0.png"), "{errors}");
 }
 
 /// Depth of the marker above the camera as declared: 2.599 m less 0.3 m.

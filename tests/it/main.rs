@@ -71,6 +71,7 @@ mod ceiling_markers_geometry;
 /// Tests of reading markers, whole and damaged, on rendered images of ceilings.
 mod ceiling_pasted;
 /// Tests of the calibration of a camera's lens and of its mounting position, on rendered images.
+mod calibrated_drives;
 mod calibration_rendered;
 /// Tests of whole runs that localize by markers on the ceiling.
 mod ceiling_runs;

@@ -4,10 +4,12 @@
 //! are minimised over K, the coefficients of Brown's lens model and the views' poses by Levenberg and Marquardt's method.
 
 pub mod corners;
+mod deviations;
 mod refinement;
 
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector, Vector3};
 
+pub use deviations::{Deviations, deviations};
 use refinement::refine;
 
 /// A corner of the board: `[u, v]` in pixels and `[x, y]` on the board in metres.
@@ -210,6 +212,28 @@ mod tests {
             assert!((found.rms_px - 0.05 * std::f64::consts::SQRT_2).abs() < 0.005, "{found:?}");
             assert!((distortion[0] - TRUE.distortion[0]).abs() < 0.01, "{found:?}");
         }
+    }
+
+    #[test]
+    fn the_true_camera_lies_within_four_deviations_of_what_is_found() {
+        let mut random = Random::new(44);
+        let (mut n_within, mut n_wide) = (0, 0);
+        for _ in 0..40 {
+            let views = views(0.05, &mut random);
+            let found = calibrate(&views, Bend::RadialAndTangential).expect("20 views").intrinsics;
+            let deviations = deviations(&views, Bend::RadialAndTangential, [640, 480]).expect("19 views");
+            let off = |of: fn(&Intrinsics) -> f64| (of(&found) - of(&TRUE)).abs();
+            let by_deviation = [
+                off(|camera| camera.focal_px[0]) / deviations.focal_px[0],
+                off(|camera| camera.focal_px[1]) / deviations.focal_px[1],
+                off(|camera| camera.centre_px[0]) / deviations.centre_px[0],
+                off(|camera| camera.centre_px[1]) / deviations.centre_px[1],
+            ];
+            n_within += by_deviation.iter().filter(|share| **share < 4.0).count();
+            n_wide += by_deviation.iter().filter(|share| **share < 0.1).count();
+        }
+        // Of a normal distribution 8 % lie within a tenth of a deviation; deviations that are much too great would hold more.
+        assert!(n_within >= 155 && n_wide < 40, "{n_within} and {n_wide} of 160");
     }
 
     #[test]

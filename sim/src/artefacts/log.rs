@@ -5,7 +5,9 @@
 //! | `source`, `mcap_file`, `bag_database`, `sqlite`, `raw_message` | from files to messages |
 //! | `topics`, `messages`, `gathered`, `account` | from messages to values with checked stamps, and what was dropped for what reason |
 //! | `motion`, `pictures`, `geodesy`, `lenses` | from values to readings, and to the robot as the localizer is told it |
+//! | `open_log` | all of this for one log |
 //! | `player` | from readings to estimates |
+//! | [`calibration`](mod@calibration) | from readings and true poses to constants of the robot |
 //! | `truth`, `containment`, `tightness` | estimates and bounds compared with true poses, if there are any |
 //! | `report` | the files and the text that tell all this |
 //!
@@ -14,6 +16,7 @@
 
 mod account;
 mod bag_database;
+pub mod calibration;
 mod containment;
 mod error;
 mod estimate_file;
@@ -24,6 +27,7 @@ mod lenses;
 mod mcap_file;
 mod messages;
 mod motion;
+mod open_log;
 mod pictures;
 mod player;
 mod raw_message;
@@ -34,10 +38,10 @@ mod tightness;
 mod topics;
 mod truth;
 
-use std::{collections::BTreeMap, f64::consts::PI, path::Path, sync::Arc, time::Instant};
+use std::{f64::consts::PI, path::Path, time::Instant};
 
 use interval::Interval;
-use localizer::{PoseBox, Reading, methods::gnss_positions::DEVICE, reading::Camera};
+use localizer::PoseBox;
 
 use crate::{
     loading::SceneFile,
@@ -46,206 +50,33 @@ use crate::{
 };
 
 pub use error::LogError;
-use gathered::{Gathered, Manner, Stamped};
 pub use judged::{JudgedEstimates, judge_estimates};
-use lenses::LensFound;
-use motion::Motion;
+use open_log::OpenLog;
 use player::Player;
-use raw_message::RawMessage;
 use report::Told;
 pub use report::{LogReplay, log_text};
-use source::Source;
-use topics::{Choice, Offered, Role};
-use truth::TruePath;
-
-/// Topics that are read, each with what it is read as.
-type Roles = BTreeMap<String, Role>;
 
 /// Replays a log through a localizer that is given the robot, the map and the bounds of the file `robot`.
 pub fn replay_log(robot: &SceneFile, path: &Path, choice: &SubjectChoice) -> Result<LogReplay, LogError> {
     let began = Instant::now();
-    let keys = robot.scene.log.as_ref().ok_or_else(|| LogError::NoTable(robot.path.clone()))?;
-    let source = Source::open(path)?;
-    let (roles, offered) = roles(robot, keys, path, &source)?;
-    let mut gathered = Gathered::default();
-    let manner = Manner { keys, receiver: robot.scene.robot.gnss.as_ref() };
-    let damage = source.read(&mut |message| match roles.get(message.topic) {
-        Some(role) => gathered.take(message, *role, &manner),
-        None => true,
-    })?;
-    gathered.check_stamps(&roles, keys);
-    if let Some(found) = clock_step(&gathered) {
-        return Err(LogError::Unusable { log: path.to_owned(), found }.with_damage(&damage));
-    }
-    for (name, topic) in offered {
-        let entry = gathered.topics.entry(name).or_default();
-        entry.n_messages = entry.n_messages.max(topic.n_messages);
-        entry.kind = topic.kind;
-    }
-    let zero_ns = first_stamp_ns(&gathered).ok_or_else(|| unusable(path, &gathered).with_damage(&damage))?;
-    let (scene, lenses) =
-        with_lenses(&robot.scene, keys, path, &gathered).map_err(|error| error.with_damage(&damage))?;
-    let told = motion::told(&scene, keys, &gathered);
-    let motion = Motion::of(&gathered, zero_ns, &told, keys);
-    let positions = positions(&gathered.positions, zero_ns);
-    let truth = true_path(robot, keys, &gathered, zero_ns)?;
+    let mut log = OpenLog::read(robot, path)?;
     let mut player = Player::start(
-        subject(choice, &told),
-        &start_box(&told, keys),
-        motion.readings.clone(),
-        motion.excesses.clone(),
-        positions.clone(),
-        keys.step_s,
+        subject(choice, &log.told),
+        &start_box(&log.told, log.keys),
+        log.motion.readings.clone(),
+        log.motion.excesses.clone(),
+        log.positions.clone(),
+        log.keys.step_s,
     );
-    show_images(&source, &roles, &told, zero_ns, &mut gathered, &mut player)?;
-    let played = player.finish();
-    if let (Some(truth), Some(last)) = (&truth, played.estimates.last())
-        && let Some([from_s, to_s]) = truth.span_s().filter(|span_s| span_s[0] > last.time_s || span_s[1] < 0.0)
-    {
-        let found = format!(
-            "the true poses are from {from_s:.3} s to {to_s:.3} s after the log's first reading of the wheels and the log ends at {:.3} s, expected \
-             times of one clock",
-            last.time_s
-        );
-        return Err(LogError::Unusable { log: path.to_owned(), found });
-    }
-    Ok(LogReplay::of(&Told {
-        robot,
-        told: &told,
-        keys,
-        log: path,
-        zero_ns,
-        gathered: &gathered,
-        damage: &damage,
-        set_back: gathered.set_back.as_ref(),
-        lenses: &lenses,
-        motion: &motion,
-        positions: &positions,
-        truth: truth.as_ref(),
-        played: &played,
-        wall_s: began.elapsed().as_secs_f64(),
-    }))
-}
-
-/// The topics that are read, each with what it is read as, and all topics that the log offers.
-fn roles(
-    robot: &SceneFile,
-    keys: &Log,
-    log: &Path,
-    source: &Source,
-) -> Result<(Roles, BTreeMap<String, Offered>), LogError> {
-    let mut offered: BTreeMap<String, Offered> = BTreeMap::new();
-    let damage = source.read(&mut |message| {
-        if let Some(topic) = offered.get_mut(message.topic) {
-            topic.n_messages += 1;
-        } else {
-            let kind = message.kind.to_owned();
-            offered.insert(message.topic.to_owned(), Offered { kind, n_messages: 1 });
-        }
-        true
+    log.show_images(&mut |reading| {
+        player.show(reading);
+        player.goes_on()
     })?;
-    let choice = Choice { log, robot: &robot.path, scene: &robot.scene, keys, offered: &offered };
-    let roles = choice.roles().map_err(|error| error.with_damage(&damage))?;
-    Ok((roles, offered))
-}
-
-/// Stamp of the first reading of the wheels, from which times are counted.
-fn first_stamp_ns(gathered: &Gathered) -> Option<i64> {
-    let joints = gathered.joints.first().map(|one| one.stamp_ns);
-    joints.or_else(|| gathered.odometry.first().map(|one| one.stamp_ns))
-}
-
-/// What the report says of a log during which the clock of the motion sensors was set. The time that passed between a stamp before that and one after
-/// it is unknown, and so is the robot's pose after it, since the start pose is known for the log's beginning only.
-fn clock_step(gathered: &Gathered) -> Option<String> {
-    let of_motion = |topic: &account::Topic| matches!(topic.role, Some(Role::Joints | Role::Odometry | Role::Imu));
-    let (name, step) = gathered
-        .topics
-        .iter()
-        .filter(|(_, topic)| of_motion(topic))
-        .find_map(|(name, topic)| Some((name, topic.clock_step.as_ref()?)))?;
-    Some(format!(
-        "the clock of the stamps of `{name}` was set by {:+.3} s where the time of logging is {:.3} s, expected stamps of one clock; with \
-         `stamps = \"log_time\"` in `[log]` the times of logging are used, else cut the log there",
-        step.by_s,
-        step.logged_ns as f64 * 1e-9
-    ))
-}
-
-/// The error of a log without a usable reading of the wheels.
-fn unusable(path: &Path, gathered: &Gathered) -> LogError {
-    let of_wheels = |topic: &&account::Topic| matches!(topic.role, Some(Role::Joints | Role::Odometry));
-    let dropped = gathered.topics.iter().find(|(_, topic)| of_wheels(topic));
-    let why = dropped.map(|(name, topic)| {
-        let reasons: Vec<String> = topic
-            .account
-            .dropped
-            .iter()
-            .map(|(reason, dropped)| format!("{} times {reason}: {}", dropped.count, dropped.first))
-            .collect();
-        let set_back = gathered.set_back.iter().map(|one| {
-            format!(
-                "after the message of `{}` logged at {:.3} s, {}",
-                one.topic,
-                one.logged_ns as f64 * 1e-9,
-                one.what()
-            )
-        });
-        let reasons: Vec<String> = reasons.into_iter().chain(set_back).collect();
-        let why = if reasons.is_empty() { "it has none".to_owned() } else { reasons.join("; ") };
-        format!("no message of `{name}` can be used ({why})")
-    });
-    let found = why.unwrap_or_else(|| "it has no topic of the wheels".to_owned());
-    let expected = "expected a topic of type nav_msgs/Odometry or sensor_msgs/JointState";
-    LogError::Unusable { log: path.to_owned(), found: format!("{found}, {expected}") }
-}
-
-/// The robot with the lenses that the log states, if the robot's file asks for them, and what the log says about them.
-fn with_lenses(
-    scene: &Scene,
-    keys: &Log,
-    path: &Path,
-    gathered: &Gathered,
-) -> Result<(Scene, Vec<LensFound>), LogError> {
-    let mut scene = scene.clone();
-    if keys.lens_from_camera_info {
-        for camera in gathered.images.keys() {
-            let Some(lens) = gathered.lenses.get(camera) else {
-                let found = format!(
-                    "no message of type sensor_msgs/CameraInfo tells the lens of the {}, expected one on a topic `camera_info` beside its images, as \
-                     `log.lens_from_camera_info` is true",
-                    camera.device().replace('_', " ")
-                );
-                return Err(LogError::Unusable { log: path.to_owned(), found });
-            };
-            lenses::adopt(&mut scene, *camera, lens);
-        }
+    let played = player.finish();
+    if let (Some(truth), Some(last)) = (&log.truth, played.estimates.last()) {
+        truth.overlaps(last.time_s).map_err(|found| LogError::Unusable { log: path.to_owned(), found })?;
     }
-    let found = gathered.lenses.iter().filter_map(|(camera, lens)| lenses::compare(&scene, *camera, lens)).collect();
-    Ok((scene, found))
-}
-
-/// Readings of satellite navigation, in the order of their stamps.
-fn positions(found: &[Stamped<localizer::methods::gnss_positions::Position>], zero_ns: i64) -> Vec<Reading> {
-    let reading = |one: &Stamped<localizer::methods::gnss_positions::Position>| {
-        let at_s = one.stamp_ns.saturating_sub(zero_ns) as f64 * 1e-9;
-        Reading::Other { measured_s: at_s, arrived_s: at_s, device: DEVICE.to_owned(), numbers: one.value.numbers() }
-    };
-    found.iter().map(reading).filter(|reading| reading.measured_s() >= 0.0).collect()
-}
-
-/// The true path of the robot, if the robot's file says where it is.
-fn true_path(robot: &SceneFile, keys: &Log, gathered: &Gathered, zero_ns: i64) -> Result<Option<TruePath>, LogError> {
-    let Some(truth) = &keys.truth else { return Ok(None) };
-    let path = match &truth.tum {
-        Some(file) => {
-            let path = robot.path.parent().unwrap_or(Path::new("")).join(file);
-            let poses = truth::read_tum(&path).map_err(|found| LogError::Truth { path, found })?;
-            TruePath::of(&poses, zero_ns, truth, keys.longest_gap_s)
-        }
-        None => TruePath::of(&gathered.truth, zero_ns, truth, keys.longest_gap_s),
-    };
-    Ok(Some(path))
+    Ok(LogReplay::of(&Told { robot, path, log: &log, played: &played, wall_s: began.elapsed().as_secs_f64() }))
 }
 
 /// The box in which the localizer is told that the robot begins.
@@ -255,70 +86,4 @@ fn start_box(told: &Scene, keys: &Log) -> PoseBox {
     }
     let [x_m, y_m] = told.room_hull_m();
     PoseBox::from([x_m, y_m, Interval::new(-PI, PI)])
-}
-
-/// Reads the log once more and hands its images to the localizer.
-fn show_images(
-    source: &Source,
-    roles: &Roles,
-    told: &Scene,
-    zero_ns: i64,
-    gathered: &mut Gathered,
-    player: &mut Player,
-) -> Result<(), LogError> {
-    if gathered.images.values().all(Vec::is_empty) {
-        return Ok(());
-    }
-    let mut shown: BTreeMap<Camera, Shown> = BTreeMap::new();
-    for (camera, stamps) in &gathered.images {
-        let stamps = stamps.iter().map(|one| (one.number, one.stamp_ns)).collect();
-        shown.insert(*camera, Shown { next: 0, stamps });
-    }
-    source.read(&mut |message| {
-        let Some(Role::Image(camera)) = roles.get(message.topic) else { return true };
-        let Some(shown) = shown.get_mut(camera) else { return true };
-        let number = shown.next;
-        shown.next += 1;
-        let Some(stamp_ns) = shown.stamps.get(&number) else { return true };
-        let at_s = stamp_ns.saturating_sub(zero_ns) as f64 * 1e-9;
-        match reading_of(message, *camera, at_s, told) {
-            Ok(reading) => player.show(reading),
-            Err(detail) => {
-                let topic = gathered.topics.entry(message.topic.to_owned()).or_default();
-                topic.account.drop_one("its image is not read", message.logged_ns, detail);
-            }
-        }
-        player.goes_on()
-    })?;
-    Ok(())
-}
-
-/// The images of one camera: the number of the next one in the log, and the stamps of those that are used, by their numbers.
-struct Shown {
-    next: usize,
-    stamps: BTreeMap<usize, i64>,
-}
-
-/// The reading of a camera that an image's message gives, or what is wrong with it.
-fn reading_of(message: RawMessage<'_>, camera: Camera, at_s: f64, told: &Scene) -> Result<Reading, String> {
-    let short = || "a message that does not decode".to_owned();
-    let image = if message.kind.ends_with("CompressedImage") {
-        let (_, format, data) = messages::compressed_image(message.data).ok_or_else(short)?;
-        pictures::grey_of_file(format, data)?
-    } else {
-        let (_, raw) = messages::image(message.data).ok_or_else(short)?;
-        pictures::grey(&raw)?
-    };
-    let keys = told.robot.camera(camera).ok_or_else(short)?;
-    let [width, height] = keys.shared().size_px;
-    if (image.width(), image.height()) != (width, height) {
-        let [found_width, found_height] = [image.width(), image.height()];
-        return Err(format!(
-            "{found_width} × {found_height} pixels, where the {} has {width} × {height}",
-            camera.device()
-        ));
-    }
-    // A log does not tell the exposure; the longest one of the sensor is the one that blurs most.
-    let exposure_s = keys.sensor_model().longest_exposure_s;
-    Ok(Reading::Camera { measured_s: at_s, arrived_s: at_s, camera, exposure_s, image: Arc::new(image) })
 }

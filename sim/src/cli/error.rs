@@ -7,7 +7,9 @@ use std::{
 
 use crate::{
     artefacts::{log::LogError, replay::ReplayError, result_table, run_files::RecordError},
-    campaign::{comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError},
+    campaign::{
+        board::BoardError, comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError,
+    },
     loading::UpgradeError,
     render::RenderError,
     scene::SceneError,
@@ -36,6 +38,8 @@ pub(super) enum CommandError {
     Replay(#[from] ReplayError),
     #[error(transparent)]
     Log(#[from] LogError),
+    #[error(transparent)]
+    Board(#[from] BoardError),
     #[error(transparent)]
     Record(#[from] RecordError),
     #[cfg(feature = "live")]

@@ -14,6 +14,7 @@ use crate::{
     scene::{keys_markdown, schema_text},
 };
 
+mod calibrate;
 mod check;
 mod compare;
 mod conclude;
@@ -73,6 +74,7 @@ Examples:
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording
   wherein replay --robot robot.toml rosbag2_2026_05_04            a localizer on a log that another program recorded
   wherein judge renders/x/0/recording.mcap --estimate mine.tum    another program's estimates against the recorded truth
+  wherein calibrate drive calibration_drive --robot robot.toml    radii, track, gyroscope and bounds from a log with true poses
   wherein markers scenes/x.toml                                   a printable sheet and the map of its markers
   wherein scene scenes/x.toml                                     the scene with all that it extends, as one text
   wherein upgrade scenes/x.toml                                   a scene of an older version, rewritten for this one
@@ -122,6 +124,8 @@ enum Command {
     Replay(replay::ReplayArguments),
     /// Compares estimates that any program made from a recording with the recorded true poses.
     Judge(judge::JudgeArguments),
+    /// Finds constants of a robot and its cameras, and the bounds to declare, from a drive with true poses or from pictures of a board.
+    Calibrate(calibrate::CalibrateArguments),
     /// Prints a Markdown table of recorded runs, or inserts the table into a document.
     Table(table::TableArguments),
     /// Writes a scene's occupancy grid as files for ROS's map_server.
@@ -183,6 +187,7 @@ pub fn main() -> ExitCode {
         Command::Markers(arguments) => markers::markers(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Judge(arguments) => judge::judge(&arguments),
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Upgrade(arguments) => upgrade::upgrade(&arguments).map(|()| ExitCode::SUCCESS),

@@ -13,6 +13,6 @@ pub mod coverage;
 
 pub use files::SceneFile;
 pub(crate) use files::texts;
-pub use setting::{Setting, shown, value_of};
+pub use setting::{Setting, extending, shown, value_of};
 pub use template::SceneTemplate;
 pub use upgrade::{UpgradeError, Upgraded, upgraded};

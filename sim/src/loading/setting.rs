@@ -1,6 +1,6 @@
 //! Keys of a scene that are set to other values than its file states, as `--set` and `--vary` demand.
 
-use std::{fmt, str::FromStr};
+use std::{collections::BTreeMap, fmt, str::FromStr};
 
 use toml::{Table, Value};
 
@@ -14,6 +14,33 @@ pub struct Setting {
     pub key: String,
     /// Value to which a key of the scene is set.
     pub value: Value,
+}
+
+impl Setting {
+    /// Sets a key to a number, to six significant digits as a person would write it.
+    pub fn number(key: &str, value: f64) -> Setting {
+        Setting { key: key.to_owned(), value: Value::Float(rounded(value)) }
+    }
+}
+
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// The text of a scene that extends the scene file `base` by settings of keys outside of lists.
+pub fn extending(base: &str, settings: &[Setting]) -> String {
+    let mut tables: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for Setting { key, value } in settings {
+        let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
+        tables.entry(table).or_default().push(format!("{name} = {value}\n"));
+    }
+    let mut text = format!("extends = {}\n", Value::from(base));
+    for (table, lines) in tables {
+        let head = if table.is_empty() { String::new() } else { format!("\n[{table}]\n") };
+        text.push_str(&head);
+        text.extend(lines);
+    }
+    text
 }
 
 impl fmt::Display for Setting {

@@ -60,6 +60,14 @@ pub enum LogError {
         /// What was found, and what was expected.
         found: String,
     },
+    /// The log tells no constant of the robot.
+    #[error("calibrate by log {}: {found}", log.display())]
+    Uncalibrated {
+        /// Path of the log.
+        log: PathBuf,
+        /// What was found, and what was expected.
+        found: String,
+    },
     /// The recording of a run cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),

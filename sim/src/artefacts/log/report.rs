@@ -19,17 +19,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use localizer::{Estimate, PoseBox, Reading, localizer::Contradiction};
+use localizer::{Estimate, PoseBox, localizer::Contradiction};
 use serde_json::{Value, json};
 
 use super::{
     account::Topic,
     containment::{Compared, compare},
-    gathered::{Gathered, SetBack},
     lenses::LensFound,
-    motion::Motion,
+    open_log::OpenLog,
     player::Played,
-    raw_message::Damage,
     tightness::{Tightness, tightness},
     truth::TruePath,
 };
@@ -41,25 +39,14 @@ use crate::{
     },
     judge::{Passed, fix_width, judge_distributions},
     loading::SceneFile,
-    scene::{Log, Scene},
+    scene::Scene,
 };
 
 /// Everything that a replay has come to know about a log.
 pub(super) struct Told<'a> {
     pub(super) robot: &'a SceneFile,
-    /// The robot as the localizer was told it.
-    pub(super) told: &'a Scene,
-    pub(super) keys: &'a Log,
-    pub(super) log: &'a Path,
-    /// Stamp of the first reading of the wheels.
-    pub(super) zero_ns: i64,
-    pub(super) gathered: &'a Gathered,
-    pub(super) damage: &'a [Damage],
-    pub(super) set_back: Option<&'a SetBack>,
-    pub(super) lenses: &'a [LensFound],
-    pub(super) motion: &'a Motion,
-    pub(super) positions: &'a [Reading],
-    pub(super) truth: Option<&'a TruePath>,
+    pub(super) path: &'a Path,
+    pub(super) log: &'a OpenLog<'a>,
     pub(super) played: &'a Played,
     pub(super) wall_s: f64,
 }
@@ -87,13 +74,13 @@ pub struct LogReplay {
 impl LogReplay {
     /// Puts together what a replay has found.
     pub(super) fn of(told: &Told<'_>) -> LogReplay {
-        let name = name_of(told.log);
-        let truth_keys = told.keys.truth.as_ref();
-        let compared = told.truth.zip(truth_keys).map(|(truth, keys)| compare(&told.played.estimates, truth, keys));
-        let tight = told
-            .truth
-            .zip(truth_keys)
-            .map_or_else(Vec::new, |(truth, keys)| tightness(told.told, told.motion, told.positions, truth, keys));
+        let name = name_of(told.path);
+        let truth_keys = told.log.keys.truth.as_ref();
+        let compared =
+            told.log.truth.as_ref().zip(truth_keys).map(|(truth, keys)| compare(&told.played.estimates, truth, keys));
+        let tight = told.log.truth.as_ref().zip(truth_keys).map_or_else(Vec::new, |(truth, keys)| {
+            tightness(&told.log.told, &told.log.motion, &told.log.positions, truth, keys)
+        });
         let mut summary = summary(told, &name, compared.as_ref(), &tight);
         let mut failed = failures(told, compared.as_ref(), &tight);
         let mut judged = summary.clone();
@@ -110,7 +97,7 @@ impl LogReplay {
         let duration_s = summary["duration_s"].as_f64().unwrap_or_default();
         let timing = json!({
             "wall_s": told.wall_s, "real_time_factor": duration_s / told.wall_s, "machine": machine(),
-            "scene_path": told.robot.path, "log_path": told.log, "set": [], "program": run_files::program_digest(),
+            "scene_path": told.robot.path, "log_path": told.path, "set": [], "program": run_files::program_digest(),
         });
         LogReplay {
             name,
@@ -119,7 +106,7 @@ impl LogReplay {
             text,
             passed: failed.is_empty(),
             timing,
-            scene: told.told.clone(),
+            scene: told.log.told.clone(),
             truths: compared.map(|compared| compared.truths).unwrap_or_default(),
             subject_log: told.played.subject_log.clone(),
         }
@@ -175,7 +162,7 @@ fn failures(told: &Told<'_>, compared: Option<&Compared>, tight: &[Tightness]) -
     failed.extend(
         told.played.contradictions.iter().map(|found| format!("contradiction at {:.3} s: {found}", found.found_s)),
     );
-    for lens in told.lenses {
+    for lens in &told.log.lenses {
         failed.extend(lens.departing().map(|(name, stated, declared, within)| {
             format!(
                 "{} lens: {name} is {stated:.6} in the log, where {declared:.6} ± {within:.6} is declared",
@@ -213,7 +200,7 @@ fn summary(told: &Told<'_>, name: &str, compared: Option<&Compared>, tight: &[Ti
         "duration_s": played.estimates.last().map_or(0.0, |last| last.time_s),
         "containment": compared.filter(|_| played.has_boxes).map(Compared::to_json),
         "bounds": tight.iter().map(|one| one.to_json()).collect::<Vec<_>>(),
-        "distribution": told.truth.and_then(|truth| stated_against(played, truth)),
+        "distribution": told.log.truth.as_ref().and_then(|truth| stated_against(played, truth)),
         "error": compared.map(|compared| serde_json::to_value(&compared.error).unwrap_or_default()),
         "width": if played.has_boxes { width } else { Value::Null },
         "methods": methods,
@@ -252,11 +239,17 @@ fn contradiction(found: &Contradiction) -> Value {
 
 /// The entry `log` of the summary: what the log itself is like.
 fn log(told: &Told<'_>) -> Value {
-    let usual_ns = told.gathered.topics.values().find_map(|topic| topic.delay_ns).unwrap_or(0);
-    let topics: BTreeMap<&String, Value> =
-        told.gathered.topics.iter().map(|(name, topic)| (name, of_topic(topic, told.zero_ns, usual_ns))).collect();
-    let since_s = |logged_ns: i64| seconds_since(logged_ns.saturating_sub(usual_ns), told.zero_ns);
+    let usual_ns = told.log.gathered.topics.values().find_map(|topic| topic.delay_ns).unwrap_or(0);
+    let topics: BTreeMap<&String, Value> = told
+        .log
+        .gathered
+        .topics
+        .iter()
+        .map(|(name, topic)| (name, of_topic(topic, told.log.zero_ns, usual_ns)))
+        .collect();
+    let since_s = |logged_ns: i64| seconds_since(logged_ns.saturating_sub(usual_ns), told.log.zero_ns);
     let mut damage: Vec<Value> = told
+        .log
         .damage
         .iter()
         .map(|one| {
@@ -268,16 +261,17 @@ fn log(told: &Told<'_>) -> Value {
             })
         })
         .collect();
-    damage.extend(told.set_back.map(|set_back| {
+    damage.extend(told.log.gathered.set_back.as_ref().map(|set_back| {
         json!({ "what": set_back.what(), "after_topic": set_back.topic, "after_s": since_s(set_back.logged_ns) })
     }));
     json!({
-        "first_stamp_s": told.zero_ns as f64 * 1e-9,
+        "without_readings": told.log.without_readings(),
+        "first_stamp_s": told.log.zero_ns as f64 * 1e-9,
         "topics": topics,
         "damage": damage,
-        "jumps_of_wheels_s": told.motion.jumps_s,
-        "sideways_odometry_m": told.motion.aside_m,
-        "lenses": told.lenses.iter().map(LensFound::to_json).collect::<Vec<_>>(),
+        "jumps_of_wheels_s": told.log.motion.jumps_s,
+        "sideways_odometry_m": told.log.motion.aside_m,
+        "lenses": told.log.lenses.iter().map(LensFound::to_json).collect::<Vec<_>>(),
     })
 }
 

@@ -30,6 +30,8 @@ pub(super) struct Tightness {
     /// The least value that the quantity can have had there, given the error of the true poses.
     pub(super) least: f64,
     pub(super) span_s: [f64; 2],
+    /// Least value of the key that states the bound with which nothing exceeds it for certain: a share of the way, or the bound itself.
+    pub(super) needed: f64,
     /// Number of spans in which the bound was exceeded for certain, and number of all that were compared.
     pub(super) exceeded: usize,
     pub(super) compared: usize,
@@ -37,15 +39,20 @@ pub(super) struct Tightness {
 
 impl Tightness {
     fn new(bound: Assumption) -> Tightness {
-        Tightness { bound, declared: 0.0, least: 0.0, span_s: [0.0; 2], exceeded: 0, compared: 0 }
+        Tightness { bound, declared: 0.0, least: 0.0, span_s: [0.0; 2], needed: 0.0, exceeded: 0, compared: 0 }
     }
 
-    /// Compares a quantity in a span: `measured` is its magnitude by the true poses, whose errors may make up to `by_truth` of it.
-    fn compare(&mut self, span_s: [f64; 2], declared: f64, measured: f64, by_truth: f64) {
+    /// Compares a quantity in a span: `measured` is its magnitude by the true poses, whose errors may make up to `by_truth` of it. Of the declared
+    /// bound, the part `key` times `factor` comes from the key that states it.
+    fn compare(&mut self, span_s: [f64; 2], declared: f64, [key, factor]: [f64; 2], [measured, by_truth]: [f64; 2]) {
         let least = (measured - by_truth).max(0.0);
+        let beyond = least - declared;
+        if beyond + key * factor > 0.0 {
+            self.needed = self.needed.max(key + beyond / factor);
+        }
         // What is less than a billionth beyond the bound is rounding.
         self.exceeded += usize::from(least > declared * (1.0 + 1e-9) + 1e-12);
-        if self.compared == 0 || least - declared > self.least - self.declared {
+        if self.compared == 0 || beyond > self.least - self.declared {
             (self.declared, self.least, self.span_s) = (declared, least, span_s);
         }
         self.compared += 1;
@@ -138,13 +145,15 @@ impl Comparison<'_> {
                         + 0.5 * base.track_m * base.track_tolerance * turn_rad.abs()
                         + tick_m;
                     let by_turn_m = base.track_m * self.within_rad;
-                    slip.compare([*from_s, to_s], declared_m, (true_m - read_m).abs(), by_truth_m + by_turn_m);
+                    let off_m = [(true_m - read_m).abs(), by_truth_m + by_turn_m];
+                    slip.compare([*from_s, to_s], declared_m, [bounds.slip_ratio, path_m], off_m);
                 }
                 let path_m = 0.5 * (0..2).map(|wheel| rolled[last][wheel] - rolled[first][wheel]).sum::<f64>();
                 let declared_m = bounds.side_slip_ratio * path_m + n_windows * bounds.side_slip_floor_m;
                 // A heading that is off by δ turns a part δ of the way into one aside.
                 let by_heading_m = self.within_rad * along_m.abs();
-                aside.compare([*from_s, to_s], declared_m, aside_m.abs(), by_truth_m + by_heading_m);
+                let off_m = [aside_m.abs(), by_truth_m + by_heading_m];
+                aside.compare([*from_s, to_s], declared_m, [bounds.side_slip_ratio, path_m], off_m);
             }
         }
         [slip, aside]
@@ -162,10 +171,12 @@ impl Comparison<'_> {
             let lasts_s = to_s - from_s;
             let rate_m_per_s = (to.x_m - from.x_m).hypot(to.y_m - from.y_m) / lasts_s;
             let by_truth = 2.0 * 2.0_f64.sqrt() * self.within_m / lasts_s;
-            speed.compare([*from_s, *to_s], bounds.reach_speed_m_per_s, rate_m_per_s, by_truth);
+            let limit_m_per_s = bounds.reach_speed_m_per_s;
+            speed.compare([*from_s, *to_s], limit_m_per_s, [limit_m_per_s, 1.0], [rate_m_per_s, by_truth]);
             let turn_rad_per_s = (to.heading_rad - from.heading_rad).abs() / lasts_s;
             let by_truth = 2.0 * self.within_rad / lasts_s;
-            turn.compare([*from_s, *to_s], bounds.reach_turn_rate_rad_per_s, turn_rad_per_s, by_truth);
+            let limit_rad_per_s = bounds.reach_turn_rate_rad_per_s;
+            turn.compare([*from_s, *to_s], limit_rad_per_s, [limit_rad_per_s, 1.0], [turn_rad_per_s, by_truth]);
         }
         [speed, turn]
     }
@@ -196,7 +207,8 @@ impl Comparison<'_> {
                     let declared = (gyro.bias_tolerance_deg_per_s + noise_deg_per_s).to_radians()
                         + gyro.scale_tolerance * turn_rad.abs() / lasts_s;
                     let measured = (read_rad - turn_rad).abs() / lasts_s;
-                    bias.compare([from_s, to_s], declared, measured, 2.0 * self.within_rad / lasts_s);
+                    let off = [measured, 2.0 * self.within_rad / lasts_s];
+                    bias.compare([from_s, to_s], declared, [gyro.bias_tolerance_deg_per_s, f64::to_radians(1.0)], off);
                 }
             }
         }
@@ -217,12 +229,12 @@ impl Comparison<'_> {
                 pose.x_m + cos * receiver.forward_m - sin * receiver.left_m,
                 pose.y_m + sin * receiver.forward_m + cos * receiver.left_m,
             ];
-            let declared_m = if told.is_fixed { receiver.fixed_tolerance_m } else { receiver.floating_tolerance_m };
+            let key_m = if told.is_fixed { receiver.fixed_tolerance_m } else { receiver.floating_tolerance_m };
             let moved_m = receiver.stamp_tolerance_s * self.told.bounds.reach_speed_m_per_s;
-            let declared_m = declared_m + receiver.position_tolerance_m + moved_m;
+            let declared_m = key_m + receiver.position_tolerance_m + moved_m;
             let off_m = (told.at_m[0] - antenna_m[0]).abs().max((told.at_m[1] - antenna_m[1]).abs());
             let by_truth_m = self.within_m + lever_m * self.within_rad;
-            all[usize::from(!told.is_fixed)].compare([*measured_s; 2], declared_m, off_m, by_truth_m);
+            all[usize::from(!told.is_fixed)].compare([*measured_s; 2], declared_m, [key_m, 1.0], [off_m, by_truth_m]);
         }
         all.into()
     }

@@ -36,6 +36,17 @@ impl TruePath {
         Some([self.poses.first()?.0, self.poses.last()?.0])
     }
 
+    /// What is wrong, if the path has no pose in the time from the log's first reading of the wheels to its last estimate.
+    pub(super) fn overlaps(&self, last_s: f64) -> Result<(), String> {
+        match self.span_s() {
+            Some([from_s, to_s]) if from_s > last_s || to_s < 0.0 => Err(format!(
+                "the true poses are from {from_s:.3} s to {to_s:.3} s after the log's first reading of the wheels and the log ends at {last_s:.3} s, \
+                 expected times of one clock"
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// The true pose at a time, even between the poses beside it; `None` outside of the path and in its gaps.
     pub(super) fn at(&self, time_s: f64) -> Option<Pose> {
         let after = self.poses.partition_point(|(at_s, _)| *at_s < time_s);
