@@ -10,7 +10,7 @@ use sim::{
     subject::SubjectChoice,
 };
 
-use crate::command::{folder, folder_of, outcome, root, wherein};
+use crate::command::{folder, folder_of, outcome, root, rounds, wherein};
 
 fn logs() -> std::path::PathBuf {
     root().join("tests/logs")
@@ -381,7 +381,7 @@ fn a_file_that_is_cut_short_at_any_byte_is_refused_or_reported() {
 fn a_byte_that_is_changed_anywhere_ends_no_program() {
     let robot = robot("wheels.toml", &[("gyro = {", "gyro = false #")]);
     let folder = folder("log_changed");
-    for (name, ending, step) in [("tiny_mcap", "mcap", 11), ("tiny_sqlite", "db3", 41)] {
+    for (name, ending, step) in [("tiny_mcap", "mcap", rounds(31, 11)), ("tiny_sqlite", "db3", rounds(121, 41))] {
         let whole = fs::read(logs().join(name).join(format!("{name}.{ending}"))).unwrap();
         let path = folder.join(format!("changed.{ending}"));
         // In the first pages of a database, and in the first records of an MCAP file, every byte matters.
@@ -393,6 +393,33 @@ fn a_byte_that_is_changed_anywhere_ends_no_program() {
             }
         }
     }
+}
+
+#[test]
+fn a_chunk_with_false_lengths_ends_no_program() {
+    let robot = robot("wheels.toml", &[]);
+    let path = folder("log_lengths").join("changed.mcap");
+    for name in ["wheels_mcap", "wheels_mcap_chunk_zstd"] {
+        let whole = fs::read(logs().join(name).join(format!("{name}.mcap"))).unwrap();
+        // Behind the chunk's header stand the records' lengths, of eight bytes each: one of the first is replaced by the greatest number that there is.
+        for place in (0..400).chain((400..whole.len() - 8).step_by(rounds(2999, 251))) {
+            let mut changed = whole.clone();
+            changed[place..place + 8].fill(0xff);
+            replay_bytes(&robot, &path, &changed);
+        }
+    }
+}
+
+#[test]
+fn a_device_without_a_reading_in_the_log_is_told() {
+    let robot = robot("tiles.toml", &[]);
+    let replay = replayed(&robot, "wheels_mcap").unwrap_or_else(|error| panic!("failed to {error}"));
+    assert_eq!(replay.summary["log"]["without_readings"], serde_json::json!(["floor_camera"]));
+    assert!(
+        replay.text.contains("`robot.floor_camera` is described, and the log has no reading of it"),
+        "{}",
+        replay.text
+    );
 }
 
 #[test]

@@ -35,8 +35,8 @@ pub(super) struct Topic {
 pub(super) struct ClockStep {
     /// Time of logging of the first message after the step.
     pub(super) logged_ns: i64,
-    /// By how much the clock of the stamps was set forward there.
-    pub(super) by_s: f64,
+    /// By how much the clock of the stamps was set forward there; `None` where it stops there or goes on at another rate.
+    pub(super) by_s: Option<f64>,
 }
 
 /// The dropped messages of a topic, by the reason.

@@ -245,11 +245,29 @@ fn check<T>(values: &mut Vec<Stamped<T>>, topic: &mut Topic, keys: &Log) {
     topic.note_times(&values.iter().map(|value| value.stamp_ns).collect::<Vec<_>>(), keys.longest_gap_s);
 }
 
+/// Least number of messages whose stamps show that their clock stands or goes at another rate.
+const LEAST_OFF: usize = 5;
+
 /// The first step of a clock among messages in the order of logging, each with its time of logging and by how much its stamp is ahead of what the
 /// usual delay makes of that time. Messages whose stamps are off by the same time, to within `tolerance_ns`, for longer than `lasting_ns` are by a
-/// clock that was set; fewer ones are single false stamps.
+/// clock that was set; ones that are off by ever more or ever less are by a clock that stands or goes at another rate; fewer ones are single false
+/// stamps.
 fn clock_step(ahead: &[[i64; 2]], tolerance_ns: i64, lasting_ns: i64) -> Option<ClockStep> {
     let is_off = |&[_, ahead_ns]: &[i64; 2]| ahead_ns.saturating_abs() > tolerance_ns;
+    // Stamps that are off for so long by ever more, or by ever less, are by a clock that stands or goes at another rate. Single false stamps that follow
+    // each other are off by now more and now less.
+    let goes_otherwise = ahead.chunk_by(|one, next| is_off(one) == is_off(next)).find_map(|stretch| {
+        let [first, .., last] = stretch else { return None };
+        let lasts = last[0].saturating_sub(first[0]) > lasting_ns && stretch.len() >= LEAST_OFF;
+        let changes = last[1].abs_diff(first[1]) > tolerance_ns.unsigned_abs();
+        // Messages far apart are compared, as those beside each other are logged now a little earlier and now a little later.
+        let parts = [0, 1, 2, 3, 4].map(|part| stretch[part * (stretch.len() - 1) / 4][1]);
+        let goes = parts.is_sorted() || parts.iter().rev().is_sorted();
+        (is_off(first) && lasts && changes && goes).then_some(ClockStep { logged_ns: first[0], by_s: None })
+    });
+    if goes_otherwise.is_some() {
+        return goes_otherwise;
+    }
     let mut first = 0;
     for idx in 0..ahead.len() {
         if !is_off(&ahead[idx]) || ahead[idx][1].abs_diff(ahead[first][1]) > tolerance_ns.unsigned_abs() {
@@ -259,7 +277,7 @@ fn clock_step(ahead: &[[i64; 2]], tolerance_ns: i64, lasting_ns: i64) -> Option<
             // Where the first messages are off, the step is at the first one that is not.
             let right = ahead.iter().find(|one| !is_off(one)).filter(|_| first == 0);
             let (logged_ns, sign) = right.map_or((ahead[first][0], 1.0), |right| (right[0], -1.0));
-            return Some(ClockStep { logged_ns, by_s: sign * ahead[first][1] as f64 / 1e9 });
+            return Some(ClockStep { logged_ns, by_s: Some(sign * ahead[first][1] as f64 / 1e9) });
         }
     }
     None

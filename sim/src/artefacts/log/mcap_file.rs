@@ -10,7 +10,6 @@ use std::{
 
 use mcap::{
     parse_record,
-    read::ChunkReader,
     records::{ChunkHeader, Record, op},
 };
 
@@ -102,6 +101,39 @@ fn next_record(file: &mut dyn Read, damage: &mut Vec<String>) -> io::Result<Opti
     }
 }
 
+/// The content of a chunk after decompression, if it has the length and the checksum that its header states.
+fn content(header: &ChunkHeader, data: &[u8]) -> Result<Vec<u8>, String> {
+    let mut whole = Vec::new();
+    // One byte more shows a content that is longer than stated, and no false length asks for memory that nothing fills.
+    let most = header.uncompressed_size.saturating_add(1);
+    let read = match header.compression.as_str() {
+        "" => data.take(most).read_to_end(&mut whole),
+        "zstd" => zstd::Decoder::new(data).and_then(|inside| inside.take(most).read_to_end(&mut whole)),
+        "lz4" => lz4::Decoder::new(data).and_then(|inside| inside.take(most).read_to_end(&mut whole)),
+        other => return Err(format!("it is compressed by `{other}`, expected zstd, lz4 or nothing")),
+    };
+    read.map_err(|error| error.to_string())?;
+    if whole.len() as u64 != header.uncompressed_size {
+        return Err(format!("it has not the {} bytes that it states", header.uncompressed_size));
+    }
+    if header.uncompressed_crc != 0 && crc32fast::hash(&whole) != header.uncompressed_crc {
+        return Err("its checksum is another one".to_owned());
+    }
+    Ok(whole)
+}
+
+/// The records of a chunk's content.
+fn records(mut rest: &[u8]) -> Result<Vec<Record<'_>>, String> {
+    let mut records = Vec::new();
+    while let Some((&[opcode, ref length @ ..], body)) = rest.split_first_chunk::<9>() {
+        let length = usize::try_from(u64::from_le_bytes(*length)).ok().filter(|length| *length <= body.len());
+        let (record, after) = body.split_at(length.ok_or("a record in it is longer than what is left of it")?);
+        records.push(parse_record(opcode, record).map_err(|error| error.to_string())?);
+        rest = after;
+    }
+    if rest.is_empty() { Ok(records) } else { Err("it ends within a record".to_owned()) }
+}
+
 impl Reader {
     /// Hands the messages of a chunk to `see`, unless the chunk is damaged. Returns whether to read further.
     fn chunk(&mut self, header: ChunkHeader, data: &[u8], see: &mut See<'_>) -> bool {
@@ -114,11 +146,13 @@ impl Reader {
             self.damage.push(lost("it is longer than any writer makes one"));
             return true;
         }
-        let records: Result<Vec<Record<'_>>, _> = ChunkReader::new(header, data).and_then(Iterator::collect);
+        // A chunk is taken as a whole or not at all, so that all of its records are read before the first is handed over.
+        let whole = content(&header, data);
+        let records = whole.as_deref().map_err(Clone::clone).and_then(records);
         match records {
             Ok(records) => records.iter().all(|record| self.record(record, see)),
-            Err(error) => {
-                self.damage.push(lost(&error.to_string()));
+            Err(why) => {
+                self.damage.push(lost(&why));
                 true
             }
         }

@@ -69,16 +69,23 @@ fn stamps_that_stay_off_are_by_a_clock_that_was_set() {
         (0..12).map(|at| (at + if at < 5 { before } else { after }, i64::from(at) + 100)).collect()
     };
     let step = |times_s: &[(i32, i64)]| gathered(times_s).topics["/t"].clock_step.clone();
-    let set = |by_s: f64| Some(ClockStep { logged_ns: 105_000_000_000, by_s });
+    let set = |by_s: f64| Some(ClockStep { logged_ns: 105_000_000_000, by_s: Some(by_s) });
     // Set forward by a minute or back by 9 s, with most messages after the step, whose clock then counts as the usual one.
     assert_eq!((step(&times_s(0, 60)), step(&times_s(9, 0))), (set(60.0), set(-9.0)));
     // With most messages before the step.
     let late: Vec<(i32, i64)> = (0..12).map(|at| (at + if at < 9 { 0 } else { 60 }, i64::from(at) + 100)).collect();
-    assert_eq!(step(&late), Some(ClockStep { logged_ns: 109_000_000_000, by_s: 60.0 }));
+    assert_eq!(step(&late), Some(ClockStep { logged_ns: 109_000_000_000, by_s: Some(60.0) }));
     // A single false stamp is none, nor are two that are off by different times, nor one clock throughout.
     let mut single = times_s(0, 0);
     (single[3].0, single[7].0, single[8].0) = (70, 40, 90);
     assert_eq!((step(&single), step(&times_s(7, 7))), (None, None));
+    // A clock that stands from the sixth message on, one that stands throughout, and one that goes twice as fast: stamps and times of logging differ by
+    // ever more, and only about the usual difference, which is the median, are they near it.
+    let stands = |from: i32| (0..24).map(|at| (at.min(from), i64::from(at) + 100)).collect::<Vec<_>>();
+    let fast: Vec<(i32, i64)> = (0..24).map(|at| (2 * at, i64::from(at) + 100)).collect();
+    for times_s in [stands(15), stands(0), fast] {
+        assert_eq!(step(&times_s).map(|found| found.by_s), Some(None), "{times_s:?}");
+    }
 }
 
 #[test]

@@ -19,6 +19,9 @@ pub fn text(summary: &Value) -> String {
     let _ = writeln!(text, "{name}: {estimates} estimates over {duration_s:.1} s by {}", word(&summary["subject"]));
     topics(&mut text, &summary["log"]["topics"]);
     damage(&mut text, &summary["log"]);
+    for device in summary["log"]["without_readings"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+        let _ = writeln!(text, "`robot.{device}` is described, and the log has no reading of it that can be used");
+    }
     if let (Some(x_m), Some(y_m), Some(rad)) =
         (number("/width/x_m/mean"), number("/width/y_m/mean"), number("/width/heading_rad/mean"))
     {
