@@ -82,14 +82,39 @@ pub(crate) fn returned(given: &Bound<'_, PyAny>) -> PyResult<(ForeignAnswer, Opt
     Ok((answer_in(given)?, newest_s))
 }
 
+/// Keys of a dict that is an answer, each kind of which has one of the first four.
+const KEYS: [&str; 8] = ["boxes", "samples", "pose", "mean", "covariance", "status", "relies_on", "newest_s"];
+
+/// Refuses a dict with keys that no answer has, or with answers of several kinds.
+fn check_keys(dict: &Bound<'_, PyDict>) -> PyResult<()> {
+    let names: Vec<String> = dict.keys().extract()?;
+    if let Some(unknown) = names.iter().find(|name| !KEYS.contains(&name.as_str())) {
+        return Err(AnswerError::new_err(format!("`{unknown}`: unknown key, expected one of {}", KEYS.join(", "))));
+    }
+    let kinds: Vec<&str> = KEYS[..4].iter().filter(|kind| names.iter().any(|name| name == *kind)).copied().collect();
+    if kinds.len() > 1 {
+        return Err(AnswerError::new_err(format!("an answer with {}, expected one of them", kinds.join(" and "))));
+    }
+    match dict.get_item("status")?.map(|status| status.extract::<String>()) {
+        None => Ok(()),
+        Some(Ok(status)) if ["sound", "recovering"].contains(&status.as_str()) => Ok(()),
+        Some(_) => Err(AnswerError::new_err("`status`: expected \"sound\" or \"recovering\"")),
+    }
+}
+
 fn answer_in(given: &Bound<'_, PyAny>) -> PyResult<ForeignAnswer> {
+    if let Ok(dict) = given.cast::<PyDict>() {
+        check_keys(dict)?;
+    }
     if let Ok(boxes) = given.getattr("boxes") {
         return self::boxes(&boxes, false, None);
     }
     if let Ok(item) = given.get_item("boxes") {
         let recovering =
             given.get_item("status").and_then(|status| status.extract::<String>()).is_ok_and(|s| s == "recovering");
-        let relies_on = given.get_item("relies_on").ok().and_then(|names| names.extract().ok());
+        let relies_on = given.get_item("relies_on").ok().map(|names| names.extract()).transpose();
+        let relies_on =
+            relies_on.map_err(|_| AnswerError::new_err("`relies_on`: expected a list of names of bounds"))?;
         return self::boxes(&item, recovering, relies_on);
     }
     if let Ok(item) = given.get_item("samples") {

@@ -15,7 +15,7 @@ use sim::{
     loading::SceneFile,
     render::{RenderError, Renderer},
     run::{FramesPolicy, RunOptions, RunRecord, run},
-    subject::{ForeignAnswer, Step, Steps, stepped},
+    subject::{Answer, AnswerKind, ForeignAnswer, Step, Steps, stepped},
 };
 
 use crate::{
@@ -71,6 +71,8 @@ struct Driving {
     thread: JoinHandle<Done>,
     /// Time of the step that is being answered, with the answer.
     open: Option<(f64, Option<Told>)>,
+    /// Kind of the answers so far.
+    kind: Option<AnswerKind>,
 }
 
 #[pymethods]
@@ -253,7 +255,15 @@ impl Drive {
             })?;
             Ok((record, verdict))
         });
-        *state = State::Driving(Driving { steps, thread, open: None });
+        *state = State::Driving(Driving { steps, thread, open: None, kind: None });
+    }
+
+    /// Refuses an answer of another kind than those before.
+    fn hold_to_kind(&self, answer: &Answer, time_s: f64) -> PyResult<()> {
+        let mut state = self.locked();
+        let State::Driving(driving) = &mut *state else { return Ok(()) };
+        AnswerKind::hold(&mut driving.kind, answer)
+            .map_err(|reason| AnswerError::new_err(format!("the step at {time_s:.2} s was answered with {reason}")))
     }
 
     /// Hands the answer to the open step over.
@@ -437,8 +447,9 @@ impl PyStep {
 impl PyStep {
     fn take(&self, py: Python<'_>, answer: ForeignAnswer, newest_s: Option<f64>) -> PyResult<()> {
         // An answer is checked when it is given, so that the mistake is shown where it is made.
-        answers::checked(answer.clone(), self.time_s)?;
+        let checked = answers::checked(answer.clone(), self.time_s)?;
         let newest_s = answers::newest(newest_s, self.time_s)?;
+        self.drive.bind(py).get().hold_to_kind(&checked, self.time_s)?;
         self.drive.bind(py).get().answer(self.time_s, (answer, newest_s))
     }
 }

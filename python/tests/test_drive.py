@@ -83,6 +83,20 @@ def test_a_wrong_answer_is_refused_where_it_is_given(given, said):
             given(step)
 
 
+def test_an_answer_of_another_kind_than_those_before_is_refused():
+    with wherein.Drive(PLAIN, set=SHORT) as drive:
+        next(drive).answer_boxes([[0, 20], [0, 20], [0, 6]])
+        with pytest.raises(wherein.AnswerError, match="a pose without bounds after boxes, expected one kind"):
+            next(drive).answer([0, 0, 0])
+
+
+def test_a_result_says_whether_its_answers_were_overconfident():
+    drive = wherein.Drive(PLAIN, set=SHORT)
+    for step in drive:
+        step.answer([100, 100, 0], COVARIANCE)
+    assert "overconfident: NEES" in repr(drive.result) and "at 0.0 % of steps" in repr(drive.result)
+
+
 def test_a_step_that_is_not_answered_ends_the_drive():
     drive = wherein.Drive(PLAIN, set=SHORT)
     steps = iter(drive)

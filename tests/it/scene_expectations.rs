@@ -76,6 +76,20 @@ fn limits_of_boxes_do_not_apply_to_a_localizer_without_boxes() {
     assert_eq!(verdict.not_applicable, ["availability_min = 0.9", "unsound = 0", "width.x_m.mean_max = 0.1"]);
     // What is missed remains so: the error is too great, and collisions were not counted.
     assert_eq!(verdict.failed.len(), 2, "{:?}", verdict.failed);
+    // Nor do limits of distributions apply to boxes; where some steps have none, though, the mean of the others' normalised errors meets no limit.
+    let of_filters = "distribution.nees.mean_max = 6\ndistribution.within_3_sigma_share_min = 0.9";
+    let text = blind_scene(10.0, &format!("[expect]\nunsound = 0\n{of_filters}\n"));
+    let both = Scene::parse(&text, "scene.toml").unwrap().expect;
+    let boxes = both.evaluate(&json!({ "containment": { "checks": 1, "contained": 1, "unsound": 0 } }));
+    assert!(boxes.passed && boxes.not_applicable.len() == 2, "{boxes:?}");
+    let mut stated = json!({ "distribution": { "checks": 100, "unusable": 0, "within_3_sigma_share": 0.99, "nees": { "mean": 2.0 } } });
+    assert!(both.evaluate(&stated).passed);
+    stated["distribution"]["unusable"] = 97.into();
+    let mostly_none = both.evaluate(&stated);
+    assert!(
+        mostly_none.failed.len() == 1 && mostly_none.failed[0].contains("97 steps state no distribution"),
+        "{mostly_none:?}"
+    );
     // Where boxes are stated, the same limits apply.
     let stated = json!({ "containment": { "checks": 1, "contained": 1, "unsound": 0 } });
     assert!(expect.evaluate(&stated).not_applicable.is_empty());

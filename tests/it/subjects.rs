@@ -93,6 +93,44 @@ fn an_expectation_of_boxes_does_not_apply_to_points_but_others_do() {
     );
 }
 
+/// Answers boxes of a localizer, and at one step the middle of the box alone.
+struct Evasive(IntervalLocalizer, f64);
+
+impl Subject for Evasive {
+    fn start(&mut self, start: &PoseBox) {
+        self.0.start(start);
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        self.0.observe(reading);
+    }
+
+    fn estimate_at(&self, time_s: f64) -> Answer {
+        match self.0.estimate_at(time_s) {
+            Answer::Boxes(estimate) if (time_s - self.1).abs() < 0.001 => {
+                let [x_m, y_m, heading_rad] = estimate.pose.hull().midpoint();
+                Answer::Point(Pose { x_m, y_m, heading_rad })
+            }
+            answer => answer,
+        }
+    }
+}
+
+#[test]
+fn a_localizer_that_states_no_box_where_it_likes_fails_and_its_boxes_are_judged_all_the_same() {
+    let scene = scene("[expect]\nunsound = 0\n");
+    let evasive = |told: &Scene| Evasive(IntervalLocalizer::of(told), 1.0);
+    let (record, verdict) = driven(&scene, &mut evasive(&scene), &|told| Box::new(evasive(told)));
+    let failure = record.subject_failure.as_ref().unwrap();
+    assert!((failure.time_s - 1.0).abs() < 0.001, "{failure}");
+    assert!(
+        failure.to_string().contains("a pose without bounds after boxes, expected one kind of answers"),
+        "{failure}"
+    );
+    assert!(!verdict.verdict.passed && verdict.verdict.not_applicable.is_empty(), "{:?}", verdict.verdict);
+    assert!(verdict.containment.unwrap().checks > 90);
+}
+
 #[test]
 fn a_subject_is_started_once_a_station() {
     let scene = Scene::parse(

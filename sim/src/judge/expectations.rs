@@ -93,27 +93,40 @@ impl Expect {
     /// Checks `summary` against the limits that the scene states as its expectations.
     ///
     /// `summary` is a serialised [`Verdict`] or a whole summary.json. A figure that the run did not measure misses every limit, except for figures of
-    /// boxes where the localizer states none: their limits do not apply.
+    /// boxes where the localizer states none, and of distributions where it states none: their limits do not apply.
     pub fn evaluate(&self, summary: &Value) -> Passed {
         let measured = figures(summary);
         let names: Vec<String> = measured.keys().cloned().collect();
         let states_boxes = !summary["containment"].is_null();
+        let states_distributions = !summary["distribution"].is_null();
         let known: Vec<String> = figures(&blank_summary()).into_keys().collect();
-        let is_of_boxes = |name: &str| {
+        // A figure of boxes without boxes, or of distributions without distributions. A localizer that states neither a box nor a distribution is to be
+        // measured by its error.
+        let is_of_another_kind = |name: &str| {
             let figure = resolve(name, &known).map(|(figure, _)| figure);
-            figure.is_some_and(|figure| OF_BOXES.iter().any(|of_boxes| figure.starts_with(of_boxes)))
+            figure.is_some_and(|figure| {
+                !states_boxes && OF_BOXES.iter().any(|of_boxes| figure.starts_with(of_boxes))
+                    || !states_distributions && figure.starts_with("distribution.")
+            })
         };
         let (mut missed, mut not_applicable) = (Vec::new(), Vec::new());
         for (name, limit) in self.named_limits() {
             let Some(limit) = limit.as_f64() else { continue };
             let Some((figure, sense)) = resolve(&name, &names) else {
-                if !states_boxes && is_of_boxes(&name) {
+                if is_of_another_kind(&name) {
                     not_applicable.push(format!("{name} = {limit}"));
                     continue;
                 }
                 missed.push(format!("{name} = {limit}, but the run did not measure it"));
                 continue;
             };
+            // Steps of which no normalised error is known would leave the mean of the others.
+            let unusable = measured.get("distribution.unusable").filter(|unusable| **unusable > 0.0);
+            if let Some(unusable) = unusable.filter(|_| figure.starts_with("distribution.nees.")) {
+                missed
+                    .push(format!("{name} = {limit}, but {unusable} steps state no distribution that could be judged"));
+                continue;
+            }
             let value = measured[&figure];
             let (is_met, wanted) = match sense {
                 Sense::Exactly => (value == limit, "expected"),

@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use crate::{
     devices::Observation,
     scene::Scene,
-    subject::{Answer, Stated, Subject},
+    subject::{Answer, AnswerKind, Failure, Stated, Subject},
     truth::Truth,
     world::{Drawn, World},
 };
@@ -36,6 +36,8 @@ pub(super) struct Recorder<'a> {
     start: Pose,
     start_box: PoseBox,
     pub(super) witness: &'a mut dyn Witness,
+    /// Kind of the answers so far.
+    kind: Option<AnswerKind>,
 }
 
 impl<'a> Recorder<'a> {
@@ -62,6 +64,7 @@ impl<'a> Recorder<'a> {
             asks_baselines: options.baselines,
             offset_s: 0.0,
             witness,
+            kind: None,
             start: scene.nominal_start(),
             start_box: scene.start_box(),
         }
@@ -227,6 +230,12 @@ impl<'a> Recorder<'a> {
             self.history.subject_failure = Some(failure.clone().begin_later(self.offset_s));
             // A localizer that never answered has given no boxes to be judged.
             self.history.has_boxes &= !self.history.estimates.is_empty();
+            return;
+        }
+        if let Err(reason) = AnswerKind::hold(&mut self.kind, &answer) {
+            let reason = format!("it answered with {reason}");
+            let failure = Failure { time_s: truth.time_s, reading: None, reason };
+            self.history.subject_failure = Some(failure.begin_later(self.offset_s));
             return;
         }
         self.history.stated.push(Stated::of(&answer));

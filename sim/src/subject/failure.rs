@@ -7,7 +7,8 @@ use serde::Serialize;
 pub struct Failure {
     /// Time for which the missing answer was asked.
     pub time_s: f64,
-    /// The newest reading that the subject had been given; `None` where it had been given none.
+    /// The newest reading that the subject had been given; `None` where it had been given none, and where
+    /// readings have no part in the failure.
     pub reading: Option<GivenReading>,
     /// What the subject did, and what was expected of it.
     pub reason: String,
@@ -41,11 +42,8 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "the subject failed at {:.2} s", self.time_s)?;
-        match &self.reading {
-            Some(GivenReading { number, device, measured_s, .. }) => {
-                write!(f, ", after reading {number} ({device} of {measured_s:.3} s)")?;
-            }
-            None => write!(f, ", before any reading")?,
+        if let Some(GivenReading { number, device, measured_s, .. }) = &self.reading {
+            write!(f, ", after reading {number} ({device} of {measured_s:.3} s)")?;
         }
         write!(f, ": {}", self.reason)
     }

@@ -105,7 +105,7 @@ const MOST_AHEAD_S: f64 = 1.0;
 pub fn newest_stamp(newest_s: Option<f64>, time_s: f64) -> Result<Option<f64>, String> {
     match newest_s {
         Some(stamp_s) if !(stamp_s.is_finite() && stamp_s <= time_s + MOST_AHEAD_S) => Err(format!(
-            "the newest_s {stamp_s}, expected the stamp of a reading in seconds, not after the answer's own time"
+            "the newest_s {stamp_s}, expected the stamp of a reading in seconds, at most {MOST_AHEAD_S} s after the answer's own time {time_s}"
         )),
         newest_s => Ok(newest_s),
     }

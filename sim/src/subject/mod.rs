@@ -139,7 +139,45 @@ pub struct WeightedPose {
     pub weight: f64,
 }
 
+/// The kinds of answers, which are judged in different ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnswerKind {
+    /// Boxes that certainly hold the pose.
+    Boxes,
+    /// A pose without any bounds.
+    Point,
+    /// A distribution of the pose, Gaussian or by samples.
+    Distribution,
+}
+
+impl AnswerKind {
+    /// Keeps a localizer to one kind of answers: a box that is left out where it would be false, or a distribution where it would be overconfident,
+    /// could not be judged. `first` is the kind of the answers so far. Errors with what is wrong with an answer of another kind.
+    pub fn hold(first: &mut Option<AnswerKind>, answer: &Answer) -> Result<(), String> {
+        let (kind, name) = (answer.kind(), |kind: AnswerKind| match kind {
+            AnswerKind::Boxes => "boxes",
+            AnswerKind::Point => "a pose without bounds",
+            AnswerKind::Distribution => "a distribution",
+        });
+        match *first.get_or_insert(kind) {
+            before if before == kind => Ok(()),
+            before => {
+                Err(format!("{} after {}, expected one kind of answers for a whole run", name(kind), name(before)))
+            }
+        }
+    }
+}
+
 impl Answer {
+    /// The kind of the answer.
+    pub fn kind(&self) -> AnswerKind {
+        match self {
+            Answer::Boxes(_) => AnswerKind::Boxes,
+            Answer::Point(_) => AnswerKind::Point,
+            Answer::Gaussian(_) | Answer::Samples(_) => AnswerKind::Distribution,
+        }
+    }
+
     /// The answer as an estimate for `time_s`. A point becomes a box without width, and so does the mean of a distribution.
     pub(crate) fn into_estimate(self, time_s: f64) -> Estimate {
         match self {

@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     artefacts::recording::exact,
-    subject::{Answer, Failure, Stated, Subject},
+    subject::{Answer, AnswerKind, Failure, Stated, Subject},
 };
 
 /// What a method made of the readings that it was given.
@@ -64,6 +64,8 @@ pub(super) struct Player {
     /// Time at which an estimate is to be made, as soon as everything up to there has been handed over.
     due_s: Option<f64>,
     digest: Sha256,
+    /// Kind of the answers so far.
+    kind: Option<AnswerKind>,
     played: Played,
 }
 
@@ -102,6 +104,7 @@ impl Player {
             rolled_s: f64::NEG_INFINITY,
             due_s: None,
             digest: Sha256::new(),
+            kind: None,
             played,
         }
     }
@@ -186,6 +189,10 @@ impl Player {
         let answer = self.subject.estimate_at(time_s);
         if let Some(failure) = self.subject.failure() {
             self.played.failure = Some(failure.clone());
+            return;
+        }
+        if let Err(reason) = AnswerKind::hold(&mut self.kind, &answer) {
+            self.played.failure = Some(Failure { time_s, reading: None, reason: format!("it answered with {reason}") });
             return;
         }
         self.played.stated.push(Stated::of(&answer));
