@@ -69,7 +69,7 @@ impl PyCue {
         self.cue.kind()
     }
 
-    /// Stamp of the reading in seconds since the start of the drive. Images arrive some tenths of a second after it.
+    /// Stamp of the reading in seconds since the start of the drive. An image arrives later than it was taken, by the latency of its camera.
     #[getter]
     fn measured_s(&self) -> f64 {
         self.cue.measured_s

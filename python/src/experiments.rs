@@ -9,8 +9,9 @@ use sim::{
         cases::{CaseResult, Cell, Results, Table},
         comparison::{Demand, Finding, Side, as_text, compare as compare_sides},
         judged_run::run_judged,
+        junit::to_junit,
         report,
-        sweep::{Begun, Seeds, Shard, Sweep, Variable, Work, run_cases},
+        sweep::{Begun, Seeds, Shard, Sweep, Variable, Work, run_cases, write_whole},
     },
     loading::SceneFile,
     render::Renderer,
@@ -108,9 +109,11 @@ pub(crate) fn run_sweep(
     columns(py, &results)
 }
 
-/// Writes the report of a folder of results: report.html, summary.md and results.csv; returns the columns of the table of results.
+/// Writes the report of a folder of results: report.html, summary.md and results.csv, and JUnit XML into a file; returns the columns of the table of
+/// results.
 #[pyfunction]
-pub(crate) fn report_folder(py: Python<'_>, folder: PathBuf) -> PyResult<Py<PyDict>> {
+#[pyo3(signature = (folder, junit))]
+pub(crate) fn report_folder(py: Python<'_>, folder: PathBuf, junit: Option<PathBuf>) -> PyResult<Py<PyDict>> {
     let results = Results::read(&folder).map_err(|error| errors::of_sweep(&error))?;
     if results.cases.is_empty() {
         let folder = folder.display();
@@ -119,6 +122,10 @@ pub(crate) fn report_folder(py: Python<'_>, folder: PathBuf) -> PyResult<Py<PyDi
         )));
     }
     report::write(&results, &folder).map_err(|error| errors::of_record(&error))?;
+    if let Some(path) = junit {
+        let text = to_junit(&results).map_err(|error| WhereinError::new_err(error.to_string()))?;
+        write_whole(&path, text.as_bytes()).map_err(|error| errors::of_record(&error))?;
+    }
     columns(py, &results)
 }
 

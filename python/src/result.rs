@@ -17,7 +17,7 @@ use sim::{
         debug_frames,
         run_files::{self, RecordError, Summary, Timing},
     },
-    judge::Verdict,
+    judge::{Verdict, figures, honesty},
     loading::SceneFile,
     run::RunRecord,
 };
@@ -132,6 +132,8 @@ impl DriveResult {
     fn __repr__(&self) -> String {
         let (file, record, verdict) = &*self.inner;
         let passed = if verdict.verdict.passed { "passed" } else { "failed" };
-        format!("<DriveResult of {} seed {}: {passed}>", file.name, record.seed)
+        let summary = serde_json::to_value(Summary::of(file, record, verdict)).unwrap_or_default();
+        let honest = honesty(&figures::figures(&summary)).map_or_else(String::new, |told| format!(", {told}"));
+        format!("<DriveResult of {} seed {}: {passed}{honest}>", file.name, record.seed)
     }
 }

@@ -64,6 +64,30 @@ def test_a_class_may_tell_the_newest_reading_that_its_answers_use(tmp_path):
     assert frame["latency_s.mean"][0] == pytest.approx(0.02)
 
 
+@pytest.mark.parametrize(
+    "given, said",
+    [
+        ({"mean": [0, 0, 0], "covariance": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "pose": [0, 0, 0]}, "pose and mean"),
+        ({"pose": [0, 0, 0], "colour": 1}, "`colour`: unknown key"),
+        ({"boxes": [[[0, 1], [0, 1], [0, 1]]], "status": "recoverin"}, 'expected "sound" or "recovering"'),
+        ({"boxes": [[[0, 1], [0, 1], [0, 1]]], "relies_on": 7}, "expected a list of names"),
+    ],
+)
+def test_a_dict_that_is_no_answer_is_a_failure_that_says_why(given, said, tmp_path):
+    class Given(Still):
+        def answer(self, time_s):
+            return given
+
+    frame = wherein.run(PLAIN, subject=Given, set={"duration_s": 1.0}, out=tmp_path)
+    assert not frame["passed"][0] and said in frame["missed_expectations"][0]
+
+
+def test_a_report_leaves_junit(tmp_path):
+    wherein.run(PLAIN, seeds=2, subject="ekf", set={"duration_s": 1.0}, out=tmp_path)
+    wherein.report(tmp_path, junit=tmp_path / "junit.xml")
+    assert 'tests="2"' in (tmp_path / "junit.xml").read_text()
+
+
 def test_an_exception_of_a_class_is_its_failure_with_the_traceback_beside_the_results(tmp_path):
     frame = wherein.run(PLAIN, subject=Broken, set={"duration_s": 2.0}, out=tmp_path)
     assert not frame["passed"][0] and "the filter diverged" in frame["missed_expectations"][0]

@@ -80,9 +80,12 @@ def sweep(
     return frame(_native.run_sweep(os.fspath(scene), dict(vary), seeds, subject, folder, jobs, frames, adapter, baselines))
 
 
-def report(folder: PathLike) -> Any:
-    """Writes report.html, summary.md and results.csv of a folder of results, as `wherein report` does. Returns a frame with one row for each run."""
-    return frame(_native.report_folder(os.fspath(folder)))
+def report(folder: PathLike, *, junit: PathLike | None = None) -> Any:
+    """Writes report.html, summary.md and results.csv of a folder of results, as `wherein report` does. Returns a frame with one row for each run.
+
+    junit: file for the results as JUnit XML, which CI systems show: one test for each run.
+    """
+    return frame(_native.report_folder(os.fspath(folder), None if junit is None else os.fspath(junit)))
 
 
 class Comparison:

@@ -150,10 +150,13 @@ fn the_readmes_table_has_the_figures_of_the_books_tables() {
             ("runs", run["run"].trim_end_matches(" seeds").to_owned()),
             ("steps", run["checks"].to_owned()),
             ("truth in the box, %", run["contained, %"].to_owned()),
-            ("error x / y, mm", pair(run, "rmse x, mm", "rmse y, mm")),
-            ("error heading, °", run["rmse heading, °"].to_owned()),
+            ("error x / y, mm", pair(run, "rmse x, worst third, mm", "rmse y, worst third, mm")),
+            ("error heading, °", run["rmse heading, worst third, °"].to_owned()),
             ("width, mm / °", pair(run, "width, mm", "width, °")),
-            ("odometry x / y, mm", odometry.map_or(String::new(), |row| pair(row, "rmse x, mm", "rmse y, mm"))),
+            (
+                "odometry x / y, mm",
+                odometry.map_or(String::new(), |row| pair(row, "rmse x, worst third, mm", "rmse y, worst third, mm")),
+            ),
         ];
         assert_eq!(row.len(), expected.len() + 1);
         for (column, value) in expected {

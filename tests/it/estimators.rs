@@ -14,6 +14,7 @@ use sim::{
 use crate::{
     command::{blind_scene, folder_of, outcome, root, wherein},
     judging::verdict_of_subject,
+    render_studio::renderer,
 };
 
 fn judged(scene: &Scene, name: &str, seed: u64) -> (RunRecord, Verdict) {
@@ -62,6 +63,33 @@ fn landmarks_on_no_map_keep_the_kalman_filter_where_odometry_drifts() {
 }
 
 #[test]
+fn filters_know_how_well_they_read_markers_joints_and_walls() {
+    for (path, duration_s, most_m, least_surer) in [
+        ("scenes/papers/ir_markers_lab.toml", 6.0, 0.004, 1.5),
+        ("scenes/tiles.toml", 6.0, 0.004, 1.5),
+        ("scenes/dark/walls.toml", 6.0, 0.02, 1.1),
+    ] {
+        let scene = scene_of(path, duration_s);
+        let nees_of = |name: &str| {
+            let choice: SubjectChoice = name.parse().unwrap();
+            let of = |told: &Scene| subject(&choice, told);
+            let mut renderer = renderer();
+            let renderer = Some(&mut *renderer);
+            let record = run(&scene, 3, &mut *of(&scene), renderer, &RunOptions::default(), &mut |_| {}).unwrap();
+            let verdict = verdict_of_subject(&scene, &record, &of);
+            (verdict.distribution.as_ref().unwrap().nees.mean, rmse_m(&verdict))
+        };
+        let (nees, error_m) = nees_of("ekf");
+        assert!(error_m < most_m, "{path}: {error_m} m");
+        assert!((1.0..12.0).contains(&nees), "{path}: {nees}");
+        // With a tenth of the noise the filter would be surer by far than it may be.
+        let (surer, _) = nees_of("ekf,cues=0.1");
+        println!("{path}: {nees}, {error_m} m; with a tenth of the noise {surer}");
+        assert!(surer > least_surer * nees, "{path}: {surer} beside {nees}");
+    }
+}
+
+#[test]
 fn the_same_seed_gives_the_same_answers() {
     let scene = scene_of("scenes/gnss.toml", 5.0);
     for name in ["ekf", "particles"] {
@@ -91,8 +119,11 @@ fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
         let arguments = ["run", "blind.toml", "--seeds", "0..2", "--subject", name, "--out", &format!("all/{name}")];
         assert_eq!(outcome(&mut wherein(&folder, &arguments)).0, 0, "{name}");
     }
-    let (code, _, said) = outcome(&mut wherein(&folder, &["report", "all"]));
+    let (code, told, said) = outcome(&mut wherein(&folder, &["report", "all"]));
     assert_eq!(code, 0, "{said}");
+    // What a passed filter's regions are worth stands beside the verdict, and the columns are those that boxes and filters have both.
+    assert!(told.contains("\nekf is ") && told.contains("\nparticles is ") && told.contains("right is 3.0"), "{told}");
+    assert!(!told.contains("\nintervals is ") && told.lines().next().unwrap().contains("error, mm"), "{told}");
     let page = fs::read_to_string(folder.join("all/report.html")).unwrap();
     assert!(page.contains("What a guarantee costs, and what overconfidence costs"), "{page}");
     let markdown = fs::read_to_string(folder.join("all/summary.md")).unwrap();
@@ -115,7 +146,18 @@ fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
     }
     assert!(page.contains("How well the stated distributions are calibrated"), "{page}");
     let (code, told, said) = outcome(&mut wherein(&folder, &["compare", "all/ekf", "all/particles"]));
-    assert!(code < 2 && told.contains("position error"), "{told}{said}");
+    assert!(code < 2 && told.contains("position error") && told.contains("|ln(NEES / 3)|"), "{told}{said}");
+    let (_, told, _) = outcome(&mut wherein(&folder, &["compare", "all/intervals", "all/ekf"]));
+    assert!(told.contains("2 pairs of two localizers of which only one states boxes"), "{told}");
+    assert!(!told.contains("lost containment") && !told.contains("one side has no number"), "{told}");
+    // A sweep's file may name the localizer, and the command line has the last word.
+    fs::write(folder.join("sweep.toml"), "scene = \"blind.toml\"\nsubject = \"ekf\"\n").unwrap();
+    for (more, name) in [(&[][..], "ekf"), (&["--subject", "particles"], "particles")] {
+        let arguments = [&["sweep", "sweep.toml", "--out", name], more].concat();
+        assert_eq!(outcome(&mut wherein(&folder, &arguments)).0, 0, "{name}");
+        let table = fs::read_to_string(folder.join(name).join("results.csv")).unwrap();
+        assert!(table.lines().nth(1).unwrap().split(',').any(|cell| cell == name), "{table}");
+    }
 }
 
 #[test]

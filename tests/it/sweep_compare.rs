@@ -152,9 +152,9 @@ fn settings_that_share_a_seed_are_one_witness() {
     // counted as independent, the finding would have been certain.
     assert_eq!(finding(&comparison, "width in x"), Finding::Inconclusive);
     let half_width_m = 0.5 * (comparison.lines[0].difference[1] - comparison.lines[0].difference[0]);
-    // The expected half-width of the interval uses the quantile t(1 − 0.01/14, 1) of a confidence of 99 % shared by seven figures and two sides; it
-    // is tan(π (1/2 − 0.01/14)), because the t distribution with one degree of freedom is Cauchy's.
-    let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 14.0)).tan();
+    // The expected half-width of the interval uses the quantile t(1 − 0.01/2, 1) of a confidence of 99 % shared by one figure and two sides; it
+    // is tan(π (1/2 − 0.01/2)), because the t distribution with one degree of freedom is Cauchy's.
+    let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 2.0)).tan();
     assert!((half_width_m / expected_m - 1.0).abs() < 1e-6, "{half_width_m} {expected_m}");
     assert!((comparison.lines[0].least_seen / expected_m - 1.0).abs() < 1e-6);
 }

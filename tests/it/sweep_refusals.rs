@@ -118,7 +118,10 @@ fn a_sweep_file_is_refused_by_key() {
         let message = stderr.lines().next().unwrap();
         assert!(message.contains("grid.toml") && message.contains(part), "`{part}` is missing in: {message}");
     };
-    refuse("scene = \"scene.toml\"\nvari = 1\n", "`vari`: unknown key, expected one of scene, seeds, baselines, vary");
+    refuse(
+        "scene = \"scene.toml\"\nvari = 1\n",
+        "`vari`: unknown key, expected one of scene, seeds, subject, baselines, vary",
+    );
     refuse("scene = \"scene.toml\"\nseeds = \"2..1\"\n", "`seeds = \"2..1\"`");
     refuse("scene = \"scene.toml\"\n[vary]\nfloor.friction = []\n", "`vary.floor.friction`: an empty list");
     refuse(

@@ -46,8 +46,8 @@ pub struct Compared {
 }
 
 /// The quantities in which results are compared. They are few and do not repeat each other, as each further one widens the confidence intervals of
-/// all.
-pub const COMPARED: [Compared; 7] = [
+/// all. Those of distributions are there for localizers that state some.
+pub const COMPARED: [Compared; 11] = [
     figure("containment.contained_share", "contained", "%", 1e2, false),
     figure("error.position_m.mean", "position error", "mm", 1e3, true),
     figure("error.heading_rad.rmse", "heading error", "°", DEGREES, true),
@@ -55,6 +55,10 @@ pub const COMPARED: [Compared; 7] = [
     figure("width.y_m.mean", "width in y", "mm", 1e3, true),
     figure("width.heading_rad.mean", "width in heading", "°", DEGREES, true),
     figure("availability", "available", "%", 1e2, false),
+    figure(load::NEES_OFF, "|ln(NEES / 3)|", "1", 1.0, true),
+    figure("distribution.within_3_sigma_share", "in 3σ", "%", 1e2, false),
+    figure("distribution.region_3_sigma.x_m.mean", "3σ width in x", "mm", 1e3, true),
+    figure("distribution.region_3_sigma.y_m.mean", "3σ width in y", "mm", 1e3, true),
 ];
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -120,6 +124,8 @@ pub struct Comparison {
     pub failed: Vec<String>,
     /// Names of the compared quantities for which, in some pair of cases, only one of the two sets of results has a value.
     pub half_known: Vec<&'static str>,
+    /// Number of pairs of cases with different localizers of which only one states boxes: figures of boxes and of distributions are not compared there.
+    pub n_of_two_kinds: usize,
     /// Comparison in each single quantity.
     pub lines: Vec<Line>,
     /// How certain the comparison is to be.
@@ -151,8 +157,11 @@ pub fn compare(first: &Side, second: &Side, demand: Demand) -> Comparison {
     let named = |wanted: &dyn Fn(&load::Case, &load::Case) -> bool| -> Vec<String> {
         pairs.iter().filter(|(_, one, other)| wanted(one, other)).map(|(name, _, _)| (*name).clone()).collect()
     };
-    let lost = named(&|one, other| keeps(one) && !keeps(other));
-    let won = named(&|one, other| !keeps(one) && keeps(other));
+    // Two localizers of which only one states boxes are compared by what both have. The same localizer, though, has to go on stating boxes.
+    let is_of_two_kinds =
+        |one: &load::Case, other: &load::Case| one.has_boxes() != other.has_boxes() && one.subject != other.subject;
+    let lost = named(&|one, other| keeps(one) && !keeps(other) && !is_of_two_kinds(one, other));
+    let won = named(&|one, other| !keeps(one) && keeps(other) && !is_of_two_kinds(one, other));
     let count = |case: &load::Case, cause: &str| case.figures.get(cause).copied().unwrap_or(0.0);
     let grew = |one: &load::Case, other: &load::Case, cause: &str| count(other, cause) > count(one, cause);
     let graver = named(&|one, other| {
@@ -160,10 +169,19 @@ pub fn compare(first: &Side, second: &Side, demand: Demand) -> Comparison {
     });
     let missed = named(&|one, other| one.passed == Some(true) && other.passed == Some(false));
     let is_half_known = |figure: &str| {
-        pairs.iter().any(|(_, one, other)| one.figures.contains_key(figure) != other.figures.contains_key(figure))
+        pairs.iter().any(|(_, one, other)| {
+            one.figures.contains_key(figure) != other.figures.contains_key(figure) && !is_of_two_kinds(one, other)
+        })
     };
+    let n_of_two_kinds = pairs.iter().filter(|(_, one, other)| is_of_two_kinds(one, other)).count();
     let half_known = COMPARED.iter().map(|compared| compared.figure).filter(|figure| is_half_known(figure)).collect();
-    let lines = COMPARED.iter().filter_map(|compared| line(*compared, &pairs, demand)).collect();
+    let is_known = |compared: &&Compared| {
+        let has = |case: &load::Case| case.figures.contains_key(compared.figure);
+        pairs.iter().any(|(_, one, other)| has(one) && has(other))
+    };
+    let known: Vec<&Compared> = COMPARED.iter().filter(is_known).collect();
+    let miss = (1.0 - demand.confidence) / known.len() as f64;
+    let lines = known.iter().filter_map(|compared| line(**compared, &pairs, miss, demand.tolerance)).collect();
     let mut seeds: Vec<u64> = pairs.iter().map(|(_, case, _)| case.seed).collect();
     seeds.sort_unstable();
     seeds.dedup();
@@ -177,6 +195,7 @@ pub fn compare(first: &Side, second: &Side, demand: Demand) -> Comparison {
         missed,
         failed: second.not_run.iter().filter(|name| first.cases.contains_key(*name)).cloned().collect(),
         half_known,
+        n_of_two_kinds,
         lines,
         demand,
     };
@@ -212,8 +231,9 @@ impl Comparison {
     }
 }
 
-/// Compares both sets of results in one quantity; none when no case has a value of it in both sets.
-fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], demand: Demand) -> Option<Line> {
+/// Compares both sets of results in one quantity, with an interval that misses the mean difference with the probability `miss`; none when no case has a
+/// value of it in both sets.
+fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], miss: f64, tolerance: f64) -> Option<Line> {
     let mut by_seed: BTreeMap<u64, Vec<[f64; 2]>> = BTreeMap::new();
     for (_, one, other) in pairs {
         if let (Some(one_value), Some(other_value)) =
@@ -236,7 +256,7 @@ fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], deman
         .map(|[one, other]| other - one)
         .map(|difference| if difference.abs() <= rounding { 0.0 } else { difference })
         .collect();
-    let difference = interval(&differences, (1.0 - demand.confidence) / COMPARED.len() as f64);
+    let difference = interval(&differences, miss);
     let [low, high] = difference;
     let least_seen = 0.5 * (high - low);
     // A worsening that the interval still allows.
@@ -256,7 +276,7 @@ fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], deman
                 Finding::Worse
             }
         }
-        _ if worst > demand.tolerance * means[0].abs() => Finding::Inconclusive,
+        _ if worst > tolerance * means[0].abs() => Finding::Inconclusive,
         _ => Finding::NotDistinguishable,
     };
     Some(Line { compared, means, difference, least_seen, finding })

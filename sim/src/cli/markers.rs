@@ -63,8 +63,10 @@ fn verdict(file: &SceneFile) -> String {
     match coverage(&file.scene) {
         None => "No ceiling camera whose coverage could be told.\n".to_owned(),
         Some(Coverage::Covered) => {
+            let further =
+                if file.scene.building.rooms.is_empty() { "" } else { ". No marker hangs in a `[[building.room]]`" };
             format!(
-                "Covered: at least {seen_at_once} wholly in the image from every pose in the room while it is empty, within all tolerances.\n"
+                "Covered: at least {seen_at_once} wholly in the image from every pose in `[room]` while it is empty, within all tolerances{further}.\n"
             )
         }
         Some(Coverage::Uncovered { pose, .. }) => format!(

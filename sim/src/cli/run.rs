@@ -11,7 +11,7 @@ use crate::{
     artefacts::{
         debug_frames::Reel,
         recording::{Form, LiveServer, Recording},
-        result_table::{Outcome, Shown, as_text, lines},
+        result_table::{Kind, Outcome, Shown, as_text, lines},
         run_files::{self, FILM, Followed, SUBJECT_LOG, program_digest, scene_digest},
     },
     campaign::{
@@ -20,6 +20,7 @@ use crate::{
         report::{Overview, broken_bounds, first_outside_of},
         sweep,
     },
+    judge::honesty,
     loading::SceneFile,
     render::Renderer,
     run::{FramesPolicy, RunOptions},
@@ -245,6 +246,7 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
         let outcomes: Vec<Outcome> = recorded.iter().map(|one| one.outcome.clone()).collect();
         print(&as_text(&lines(&outcomes, true), &arguments.columns.clone().unwrap_or_default()))?;
         print(&not_applicable(recorded))?;
+        print(&honesty_told(&outcomes))?;
         if !arguments.baselines {
             print("\nOdometry is the only other method that was run; --baselines runs the papers' and others.\n")?;
         }
@@ -258,13 +260,22 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
     Ok(())
 }
 
+/// A line for each scene and localizer that states distributions: whether it is overconfident.
+fn honesty_told(outcomes: &[Outcome]) -> String {
+    let told = lines(outcomes, false).into_iter().filter(|line| line.kind == Kind::Runs);
+    let told =
+        told.filter_map(|line| Some(format!("\n{}, {}: {}\n", line.scene, line.subject, honesty(&line.figures)?)));
+    told.collect()
+}
+
 /// A line for each scene with expectations that do not apply to the localizer under test.
 fn not_applicable(recorded: &[Recorded]) -> String {
     let named = recorded.iter().filter_map(|one| {
         let names = one.summary["verdict"]["not_applicable"].as_array()?.iter().filter_map(Value::as_str);
         Some((one.outcome.scene.as_str(), names.collect::<Vec<_>>().join(", ")))
     });
-    let line = |(scene, names)| format!("\n{scene}: not applied, as the localizer states no boxes: {names}\n");
+    let line =
+        |(scene, names)| format!("\n{scene}: not applied, as the localizer states nothing of the kind: {names}\n");
     named.collect::<BTreeMap<_, _>>().into_iter().map(line).collect()
 }
 

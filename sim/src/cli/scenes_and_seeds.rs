@@ -19,7 +19,7 @@ pub(super) struct ScenesAndSeeds {
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     /// Seed of everything that is drawn at random in the run.
-    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds", allow_negative_numbers = true, value_parser = one_seed)]
     seed: u64,
     /// Range of seeds, A included and B not; each scene runs with each of these seeds.
     #[arg(long, value_name = "A..B")]
@@ -27,6 +27,10 @@ pub(super) struct ScenesAndSeeds {
     /// Set a key of the scenes, such as robot.errors=corner; may be given several times.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<Setting>,
+}
+
+fn one_seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| "expected a whole number of at least 0; --seeds A..B names several".to_owned())
 }
 
 impl ScenesAndSeeds {

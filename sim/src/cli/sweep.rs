@@ -59,7 +59,7 @@ fn asked(arguments: &SweepArguments) -> Result<Sweep, SweepError> {
         baselines: false,
     });
     sweep.vary.extend(arguments.vary.iter().cloned());
-    sweep.subject = arguments.tested.choice();
+    sweep.subject = arguments.tested.choice_or(&sweep.subject);
     sweep.baselines |= arguments.baselines;
     if let Some(Seeds(seeds)) = &arguments.seeds {
         sweep.seeds = seeds.clone();

@@ -13,9 +13,9 @@ use crate::{
 #[derive(Debug, Args)]
 pub(super) struct Tested {
     /// Localizer to test: intervals (the project's own), another by its name, or a command in quotes, which is given the readings as an MCAP stream
-    /// on its standard input and writes its answers to its standard output.
-    #[arg(long, value_name = "NAME|COMMAND", default_value_t)]
-    subject: SubjectChoice,
+    /// on its standard input and writes its answers to its standard output. [default: intervals, or what a sweep file states]
+    #[arg(long, value_name = "NAME|COMMAND")]
+    subject: Option<SubjectChoice>,
     /// Time that a tested command has for each answer, in seconds of the clock on the wall; longer is a failure.
     #[arg(long, value_name = "SECONDS", default_value_t = USUAL_LIMIT.as_secs_f64(), value_parser = limit_s)]
     subject_timeout_s: f64,
@@ -24,7 +24,12 @@ pub(super) struct Tested {
 impl Tested {
     /// The localizer under test.
     pub(super) fn choice(&self) -> SubjectChoice {
-        match &self.subject {
+        self.choice_or(&SubjectChoice::default())
+    }
+
+    /// The localizer under test, which is `stated` unless the command line names one.
+    pub(super) fn choice_or(&self, stated: &SubjectChoice) -> SubjectChoice {
+        match self.subject.as_ref().unwrap_or(stated) {
             SubjectChoice::Command { command, .. } => SubjectChoice::Command {
                 command: command.clone(),
                 limit: Duration::from_secs_f64(self.subject_timeout_s),

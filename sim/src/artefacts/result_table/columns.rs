@@ -26,7 +26,7 @@ const fn number(name: &'static str, heading: &'static str, unit: &'static str, c
     Column { name, heading, unit, cell, is_text: false }
 }
 
-/// All columns of the result table, from left to right. Errors are those of the third of a run in which they were greatest. Widths are full widths of
+/// All columns of the result table, from left to right. Errors ("rmse") are those of the third of a run in which they were greatest. Widths are full widths of
 /// the box around the estimate, the wider of x and y, averaged over the run ("width") and over the instants just after a fix, a reading that
 /// constrained the pose ("at fix"). "error / half" is |error| of the box's middle over half the box's width, after the first 5 s: the greatest ratio,
 /// and the ratio that one step in a thousand exceeds; over several runs, that of the run where it is greatest. "NEES" is the mean normalised
@@ -42,9 +42,11 @@ pub(super) const COLUMNS: [Column; 34] = [
     number("bound_broken", "bound broken", "", |line| show(line, "containment.bound_broken", 1.0, 0)),
     number("perception", "perception", "", |line| show(line, "containment.perception", 1.0, 0)),
     number("unsound", "unsound", "", |line| show(line, "containment.unsound", 1.0, 0)),
-    number("rmse_x", "rmse x", "mm", |line| show(line, "error.x_m.rmse_worst_third", 1e3, 2)),
-    number("rmse_y", "rmse y", "mm", |line| show(line, "error.y_m.rmse_worst_third", 1e3, 2)),
-    number("rmse_heading", "rmse heading", "°", |line| show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)),
+    number("rmse_x", "rmse x, worst third", "mm", |line| show(line, "error.x_m.rmse_worst_third", 1e3, 2)),
+    number("rmse_y", "rmse y, worst third", "mm", |line| show(line, "error.y_m.rmse_worst_third", 1e3, 2)),
+    number("rmse_heading", "rmse heading, worst third", "°", |line| {
+        show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)
+    }),
     number("width", "width", "mm", |line| wider(&line.figures, "width")),
     number("width_heading", "width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
     number("at_fix", "at fix", "mm", |line| wider(&line.figures, "width.at_fix")),

@@ -34,7 +34,12 @@ pub fn table_files(path: &Path) -> Result<Vec<PathBuf>, RecordError> {
     }
     let whole = ["results.parquet", "results.csv"].map(|name| path.join(name));
     let found = whole.into_iter().find(|file| file.is_file() && is_table(file));
-    let nothing = || io::Error::new(io::ErrorKind::NotFound, "expected results.parquet or results.csv in it");
+    let nothing = || {
+        io::Error::new(
+            io::ErrorKind::NotFound,
+            "expected results.parquet or results.csv in it, which `wherein report` writes for a folder of runs",
+        )
+    };
     Ok(vec![naming("find a table of results in", path, found.ok_or_else(nothing))?])
 }
 

@@ -32,6 +32,8 @@ pub struct Side {
 pub struct Case {
     /// Seed of the case.
     pub seed: u64,
+    /// Name of the localizer that the case tests; none when the table of results has no column for this.
+    pub subject: Option<String>,
     /// Whether the case met its scene's expectations; none when the table of results has no column for this.
     pub passed: Option<bool>,
     /// Numerical results of the case by name, as far as they are finite numbers.
@@ -57,6 +59,16 @@ pub enum SideError {
     },
 }
 
+/// Figure that is made here of a case's mean normalised error squared: the magnitude of the logarithm of its ratio to 3.
+pub(super) const NEES_OFF: &str = "distribution.nees.off";
+
+impl Case {
+    /// Whether the case's localizer states boxes.
+    pub(super) fn has_boxes(&self) -> bool {
+        self.figures.contains_key("containment.checks")
+    }
+}
+
 impl Side {
     /// Reads one side of a comparison from a folder of results or from a `results.csv`.
     pub fn load(path: &Path) -> Result<Side, SideError> {
@@ -76,8 +88,8 @@ impl Side {
         let (scene, seed, status) = (column("scene")?, column("seed")?, column("status")?);
         // A side that tests several localizers has several cases of one scene, settings and seed; one with a single localizer is compared with the other
         // side whatever localizer that tests.
-        let subject = columns.iter().position(|column| column == "subject");
-        let subject = subject.filter(|subject| rows.iter().any(|row| row[*subject] != rows[0][*subject]));
+        let tests = columns.iter().position(|column| column == "subject");
+        let subject = tests.filter(|subject| rows.iter().any(|row| row[*subject] != rows[0][*subject]));
         let passed = columns.iter().position(|column| column == "passed");
         let settings: Vec<usize> = (0..columns.len()).filter(|index| columns[*index].starts_with("set.")).collect();
         let mut side = Side::default();
@@ -95,9 +107,13 @@ impl Side {
                 let value: f64 = text.parse().ok()?;
                 value.is_finite().then(|| (name.clone(), value))
             };
-            let figures = columns.iter().zip(row).filter_map(number).collect();
+            let mut figures: Figures = columns.iter().zip(row).filter_map(number).collect();
+            // A right filter has 3; one that states its errors too small and one that states them too great are both off.
+            let off = figures.get("distribution.nees.mean").map(|nees| (nees / 3.0).ln().abs());
+            figures.extend(off.filter(|off| off.is_finite()).map(|off| (NEES_OFF.to_owned(), off)));
+            let subject = tests.map(|column| row[column].clone());
             let passed = passed.and_then(|column| row[column].parse().ok());
-            side.cases.insert(name, Case { seed, passed, figures });
+            side.cases.insert(name, Case { seed, subject, passed, figures });
         }
         Ok(side)
     }

@@ -32,6 +32,12 @@ pub fn as_text(comparison: &Comparison) -> String {
     text += &named("only in the second", second);
     let half_known: Vec<String> = comparison.half_known.iter().map(|figure| format!("`{figure}`")).collect();
     text += &named("figures that one side has no number for", &half_known);
+    if comparison.n_of_two_kinds > 0 {
+        text += &format!(
+            "{} pairs of two localizers of which only one states boxes: compared is what both have, and not boxes or distributions.\n",
+            comparison.n_of_two_kinds
+        );
+    }
     let percent = comparison.demand.confidence * 100.0;
     text += &format!(
         "\n{} pairs of {} seeds; all intervals hold together with {percent} % confidence.\n",

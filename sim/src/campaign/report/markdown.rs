@@ -18,6 +18,7 @@ const MOST_ABSENT: usize = 100;
 pub fn as_markdown(overview: &Overview, results: &Results) -> String {
     let verdict = if overview.has_passed() { "✅ passed" } else { "❌ failed" };
     let mut text = format!("## {verdict}: {}\n\n{}.\n\n", inline(&results.title), overview.headline());
+    text.extend(overview.honesty().iter().map(|told| format!("{}.\n\n", inline(told))));
     text += &table(overview);
     match &overview.sketched {
         None => text += &localizers(results),

@@ -53,42 +53,42 @@ pub const MEASURES: [Measure; 13] = [
     },
     Measure {
         name: "x error / half",
-        unit: "max",
+        unit: "max after 5 s",
         meaning: "greatest error along x over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
         value: |figures| scaled(figures, "power.after_5_s.x_m.max", 1.0),
         digits: 2,
     },
     Measure {
         name: "x error / half",
-        unit: "99.9 %",
+        unit: "99.9 % after 5 s",
         meaning: "what one step in a thousand exceeds of the error along x over half the width after 5 s, in the run where that is greatest",
         value: |figures| scaled(figures, "power.after_5_s.x_m.p999", 1.0),
         digits: 2,
     },
     Measure {
         name: "y error / half",
-        unit: "max",
+        unit: "max after 5 s",
         meaning: "greatest error along y over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
         value: |figures| scaled(figures, "power.after_5_s.y_m.max", 1.0),
         digits: 2,
     },
     Measure {
         name: "y error / half",
-        unit: "99.9 %",
+        unit: "99.9 % after 5 s",
         meaning: "what one step in a thousand exceeds of the error along y over half the width after 5 s, in the run where that is greatest",
         value: |figures| scaled(figures, "power.after_5_s.y_m.p999", 1.0),
         digits: 2,
     },
     Measure {
         name: "heading error / half",
-        unit: "max",
+        unit: "max after 5 s",
         meaning: "greatest error along heading over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
         value: |figures| scaled(figures, "power.after_5_s.heading_rad.max", 1.0),
         digits: 2,
     },
     Measure {
         name: "heading error / half",
-        unit: "99.9 %",
+        unit: "99.9 % after 5 s",
         meaning: "what one step in a thousand exceeds of the error along heading over half the width after 5 s, in the run where that is greatest",
         value: |figures| scaled(figures, "power.after_5_s.heading_rad.p999", 1.0),
         digits: 2,
@@ -120,6 +120,11 @@ pub const MEASURES: [Measure; 13] = [
 ];
 
 impl Measure {
+    /// Whether the result says how much of the boxes the errors use, which few readers need first.
+    pub(super) fn is_detail(&self) -> bool {
+        self.name.ends_with("/ half")
+    }
+
     /// Formats a value of the shown result. A share is shown as 100 % only when it is complete.
     pub fn show(&self, value: Option<f64>) -> String {
         let Some(value) = value else { return String::new() };

@@ -4,7 +4,7 @@ use super::{MEASURES, Measure, Sketched};
 use crate::{
     artefacts::result_table::pool,
     campaign::cases::{CaseResult, Results},
-    judge::figures::Figures,
+    judge::{figures::Figures, honesty},
     loading::Setting,
 };
 
@@ -111,6 +111,21 @@ impl Overview {
         ];
         let told: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
         format!("Of {n_cases} {cases}, {}", told.join(", "))
+    }
+
+    /// Whether localizers that state distributions are overconfident, in a sentence for each: over all cases of a localizer, whatever their scenes and
+    /// settings.
+    pub fn honesty(&self) -> Vec<String> {
+        let mut subjects: Vec<&str> = self.groups.iter().map(|group| group.subject.as_str()).collect();
+        subjects.sort_unstable();
+        subjects.dedup();
+        let of = |subject: &str| {
+            let groups = self.groups.iter().filter(|group| group.subject == subject);
+            let figures: Vec<&Figures> =
+                groups.map(|group| &group.figures).filter(|figures| !figures.is_empty()).collect();
+            Some(format!("{subject} is {}", honesty(&pool(&figures))?))
+        };
+        subjects.into_iter().filter_map(of).collect()
     }
 
     /// Returns those numerical results of a report for which at least one case has a value.

@@ -44,7 +44,7 @@ pub fn as_html(overview: &Overview, results: &Results) -> String {
             }
             body {
                 h1 { "Wherein · " (results.title) }
-                div.verdict.(tone) { strong { (mark) " " (word) } (overview.headline()) "." }
+                div.verdict.(tone) { strong { (mark) " " (word) } (overview.headline()) "." @for told in overview.honesty() { br; (told) "." } }
                 (key_figures(overview))
                 (absent(overview, results))
                 @if let Some(heatmaps) = heatmaps(overview) { (heatmaps) }

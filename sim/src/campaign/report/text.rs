@@ -7,7 +7,7 @@ use crate::{
     campaign::cases::{CaseResult, Replay, Results},
 };
 
-use super::{Group, Overview, incidents::broken};
+use super::{Group, Measure, Overview, incidents::broken};
 
 /// Greatest number of combinations that are printed; a sweep with more has its HTML report and its CSV file.
 const MOST_GROUPS: usize = 60;
@@ -42,6 +42,9 @@ pub fn as_text(overview: &Overview, results: &Results) -> String {
     }
     if let Some(sketched) = &overview.sketched {
         text += &format!("\n{}\n", sketched.note());
+    }
+    for told in overview.honesty() {
+        text += &format!("\n{told}.\n");
     }
     let verdict = if overview.has_passed() { "passed" } else { "FAILED" };
     text += &format!("\n{verdict}: {}.", overview.headline());
@@ -133,14 +136,19 @@ fn table(overview: &Overview) -> String {
     headings.extend(overview.keys.iter().cloned());
     let n_texts = headings.len();
     headings.push("passed".to_owned());
-    headings.extend(overview.measures().map(|measure| format!("{}, {}", measure.name, measure.unit)));
+    // First those that every line has, as a line without boxes has no widths, and how errors compare with boxes last.
+    let mut measures: Vec<&Measure> = overview.measures().collect();
+    let lacks =
+        |measure: &Measure| overview.groups.iter().filter(|group| (measure.value)(&group.figures).is_none()).count();
+    measures.sort_by_key(|measure| (measure.is_detail(), lacks(measure)));
+    headings.extend(measures.iter().map(|measure| format!("{}, {}", measure.name, measure.unit)));
     let row = |group: &Group| {
         let mut cells: Vec<String> = Vec::new();
         cells.extend(overview.has_scenes.then(|| group.scene.clone()));
         cells.extend(overview.has_subjects.then(|| group.subject.clone()));
         cells.extend(overview.keys.iter().map(|key| group.value(key)));
         cells.push(format!("{}/{}", group.n_passed, group.n_cases));
-        cells.extend(overview.measures().map(|measure| measure.of(&group.figures)));
+        cells.extend(measures.iter().map(|measure| measure.of(&group.figures)));
         cells
     };
     let mut rows = vec![headings];

@@ -1,4 +1,4 @@
-//! A sweep as a file with the keys `scene`, `seeds` and `baselines` and a table `[vary]`.
+//! A sweep as a file with the keys `scene`, `seeds`, `subject` and `baselines` and a table `[vary]`.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::{
 use super::{Seeds, Sweep, SweepError, Variable, variable::values_of};
 
 /// The keys of a sweep file.
-const KEYS: [&str; 4] = ["scene", "seeds", "baselines", "vary"];
+const KEYS: [&str; 5] = ["scene", "seeds", "subject", "baselines", "vary"];
 
 impl Sweep {
     /// Reads a sweep file; none when the file is not a sweep but, because it has no key `scene`, presumably a scene.
@@ -49,7 +49,15 @@ impl Sweep {
             None => false,
             Some(stated) => stated.as_bool().ok_or_else(|| wrong("`baselines`: expected true or false".to_owned()))?,
         };
-        let (vary, subject) = (variables(&text).map_err(wrong)?, SubjectChoice::default());
+        let subject = match table.get("subject") {
+            None => SubjectChoice::default(),
+            Some(stated) => {
+                let text =
+                    stated.as_str().ok_or_else(|| wrong("`subject`: expected a text such as \"ekf\"".to_owned()))?;
+                text.parse().map_err(|expected| wrong(format!("`subject = \"{text}\"`: {expected}")))?
+            }
+        };
+        let vary = variables(&text).map_err(wrong)?;
         let scene = path.parent().unwrap_or(Path::new("")).join(scene);
         Ok(Some(Sweep { scene, vary, seeds, subject, baselines }))
     }

@@ -66,7 +66,15 @@ fn outside(marker: &Marker, scene: &Scene) -> Problem {
     for (key, at_m, extent_m) in [("x_m", marker.x_m, scene.room.width_m), ("y_m", marker.y_m, scene.room.depth_m)] {
         if !(reach_m..=extent_m - reach_m).contains(&at_m) {
             let [least_m, most_m] = [reach_m, extent_m - reach_m].map(super::short);
-            return Some((key, format!("reaches out of the room, expected a number from {least_m} to {most_m}")));
+            let further = if scene.building.rooms.is_empty() {
+                ""
+            } else {
+                ": markers hang in `[room]` alone, and not in a `[[building.room]]`"
+            };
+            return Some((
+                key,
+                format!("reaches out of the room, expected a number from {least_m} to {most_m}{further}"),
+            ));
         }
     }
     None
