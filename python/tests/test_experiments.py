@@ -83,7 +83,7 @@ def test_a_dict_that_is_no_answer_is_a_failure_that_says_why(given, said, tmp_pa
 
 
 def test_a_report_leaves_junit(tmp_path):
-    wherein.run(PLAIN, seeds=2, subject="ekf", set={"duration_s": 1.0}, out=tmp_path)
+    wherein.run(PLAIN, seeds=range(2), subject="ekf", set={"duration_s": 1.0}, out=tmp_path)
     wherein.report(tmp_path, junit=tmp_path / "junit.xml")
     assert 'tests="2"' in (tmp_path / "junit.xml").read_text()
 
