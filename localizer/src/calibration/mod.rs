@@ -3,3 +3,6 @@
 pub mod chessboard;
 pub mod constants;
 pub mod mount_offset;
+
+/// Standard deviations of a calibrated quantity that its declared tolerance covers: of a normal distribution 99.7 % lie within them.
+pub const TOLERATED_DEVIATIONS: f64 = 3.0;

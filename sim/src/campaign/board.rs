@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use localizer::{
-    calibration::chessboard::{Bend, Calibration, Corner, Deviations, calibrate, corners, deviations},
+    calibration::{
+        TOLERATED_DEVIATIONS,
+        chessboard::{Bend, Calibration, Corner, Deviations, calibrate, corners, deviations},
+    },
     reading::Camera,
 };
 use serde_json::{Value, json};
 use toml::Value as Toml;
 
 use crate::loading::Setting;
-
-/// Standard deviations of a quantity that its tolerance covers.
-const TOLERATED_DEVIATIONS: f64 = 3.0;
 
 /// Why pictures of a board calibrate no camera. The text of the error follows "failed to".
 #[derive(Debug, thiserror::Error)]

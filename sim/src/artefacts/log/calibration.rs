@@ -7,7 +7,10 @@ use std::path::Path;
 
 use localizer::{
     bounds::{self, Assumption},
-    calibration::constants::{Constants, LEAST_SPANS, Span, Undetermined, constants},
+    calibration::{
+        TOLERATED_DEVIATIONS,
+        constants::{Constants, LEAST_SPANS, Span, Undetermined, constants},
+    },
     motion::SlipExcess,
 };
 use serde_json::{Value, json};
@@ -26,8 +29,6 @@ use crate::{
 
 /// What spans of the wheels are called.
 const WHEELS: &str = "wheels";
-/// Standard deviations of a constant that its tolerance covers.
-const TOLERATED_DEVIATIONS: f64 = 3.0;
 /// How a log is used for calibration.
 #[derive(Clone, Copy, Debug)]
 pub struct Calibrating {

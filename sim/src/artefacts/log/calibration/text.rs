@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use localizer::calibration::TOLERATED_DEVIATIONS;
+
 use super::DriveCalibration;
 
 /// Number of spans that are listed one by one.
@@ -16,7 +18,7 @@ impl DriveCalibration {
                 writeln!(text, "{:<28} {:>5} {:>12} {:>12} {:>12}", "constant", "unit", "declared", "found", "± 3 σ");
         }
         for one in &self.constants {
-            let within = 3.0 * one.deviation;
+            let within = TOLERATED_DEVIATIONS * one.deviation;
             let _ = writeln!(
                 text,
                 "{:<28} {:>5} {:>12.6} {:>12.6} {:>12.6}",
