@@ -21,13 +21,32 @@ pub struct Map {
     pub markers: Option<MarkerMap>,
     /// Directions of the walls, as angles from world x modulo quarter turns (bound `wall_directions.direction`).
     pub wall_directions_rad: Vec<Interval>,
+    /// Walls with their places, if these are known.
+    pub walls: Option<WallMap>,
 }
 
 impl Map {
     /// A map of a room of which nothing is known but the intervals of x and y in which it lies.
     pub fn of_room(room_m: [Interval; 2]) -> Map {
-        Map { room_m, tiles: None, markers: None, wall_directions_rad: Vec::new() }
+        Map { room_m, tiles: None, markers: None, wall_directions_rad: Vec::new(), walls: None }
     }
+}
+
+/// Map of the walls of a building. Between them are doors and other openings, of which the map says nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WallMap {
+    /// Fronts of all walls, in no particular order.
+    pub walls: Vec<Wall>,
+    /// Greatest distance of any point of a wall from its place on the map (bound `walls.placement`).
+    pub placement_m: f64,
+}
+
+/// The front of a straight upright wall from the floor to the ceiling, through which nothing is seen. Its front is to the left of the way from its start to its
+/// end; a wall that stands free in a room is on the map once for each of its sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// Start and end of the wall on the floor plan, each as world x and y.
+    pub ends_m: [[f64; 2]; 2],
 }
 
 /// Map of the dot-matrix markers that are pasted on the ceiling.

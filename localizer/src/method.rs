@@ -220,4 +220,13 @@ pub enum Claim {
         /// by at most the bound along u and along v.
         dots_px: Vec<(GridPlace, [f64; 3])>,
     },
+    /// A claim that a beam of a planar range scanner ended at the front of a mapped wall.
+    WallPoint {
+        /// Bearing of the beam from the scanner's forward axis, counter-clockwise.
+        bearing_rad: f64,
+        /// Distance that the beam measured.
+        distance_m: f64,
+        /// Greatest distance of the measured point from the nearest mapped wall.
+        within_m: f64,
+    },
 }

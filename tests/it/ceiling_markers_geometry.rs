@@ -215,8 +215,13 @@ impl Situation {
 
     fn method(&self) -> CeilingMarkers {
         let room = Interval::new(-50.0, 50.0);
-        let map =
-            Map { room_m: [room, room], tiles: None, markers: Some(self.map.clone()), wall_directions_rad: Vec::new() };
+        let map = Map {
+            room_m: [room, room],
+            tiles: None,
+            markers: Some(self.map.clone()),
+            wall_directions_rad: Vec::new(),
+            walls: None,
+        };
         CeilingMarkers::new(&map, &robot(self.camera.clone(), self.body_tilt_rad))
             .expect("a ceiling camera and markers")
     }

@@ -181,6 +181,7 @@ impl Situation {
             tiles: Some(self.grid.clone()),
             markers: None,
             wall_directions_rad: Vec::new(),
+            walls: None,
         };
         FloorTiles::new(&map, &robot(self.tilts), Chain::Direct).expect("a tiled map and a floor camera")
     }

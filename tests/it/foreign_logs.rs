@@ -165,6 +165,41 @@ fn satellite_positions_narrow_the_boxes_and_bad_ones_are_dropped() {
 }
 
 #[test]
+fn scans_of_a_room_narrow_the_boxes_whatever_stands_in_it() {
+    let scans = robot("scans.toml", &[]);
+    let with = summary_of(&scans, "scans");
+    assert_holds_the_truth(&with, 50);
+    // Scans begin every 0.2 s up to 5.8 s; the first comes before the second reading of the wheels and is used with it.
+    assert_eq!(with["methods"]["wall_ranges"]["constraints"], 30, "{}", with["methods"]);
+    let without = summary_of(&robot("scans.toml", &[(r#"methods = ["wall_ranges"]"#, "methods = []")]), "scans");
+    let width_m = |summary: &Value, axis: &str| summary["width"][axis]["max"].as_f64().unwrap();
+    for axis in ["x_m", "y_m"] {
+        assert!(width_m(&with, axis) < 0.5 * width_m(&without, axis), "{axis}: {} {}", with["width"], without["width"]);
+    }
+    // The leg of the table is on no map: most beams end at walls, and no share above that is right.
+    let share = |wrong: f64| {
+        robot("scans.toml", &[("[log]", &format!("[localizer.wall_ranges]\nwrong_share = {wrong}\n\n[log]"))])
+    };
+    assert_holds_the_truth(&summary_of(&share(0.2), "scans"), 50);
+}
+
+#[test]
+fn a_scan_whose_beams_are_measured_one_after_the_other_needs_a_stamp_tolerance_of_half_its_time() {
+    let dropped = |summary: &Value| {
+        summary["log"]["topics"]["/scan"]["dropped_by_reason"]["its beams are measured over a longer time than declared"]
+            ["count"]
+            .as_u64()
+    };
+    let instant = replayed(&robot("scans.toml", &[]), "scans_sweeping").unwrap();
+    assert_eq!(dropped(&instant.summary), Some(20));
+    assert!(instant.text.contains("its beams are measured over 0.0200 s"), "{}", instant.text);
+    let sweeping = robot("scans.toml", &[("tolerance_m = 0.011", "tolerance_m = 0.011\nstamp_tolerance_s = 0.0101")]);
+    let summary = summary_of(&sweeping, "scans_sweeping");
+    assert_eq!((dropped(&summary), summary["methods"]["wall_ranges"]["constraints"].as_u64()), (None, Some(20)));
+    assert_holds_the_truth(&summary, 30);
+}
+
+#[test]
 fn a_position_half_a_metre_beside_what_its_covariance_allows_is_named_and_leaves_the_truth_in_the_boxes() {
     let replay = replayed(&robot("odometry.toml", &[]), "outlier").unwrap();
     assert_holds_the_truth(&replay.summary, 50);

@@ -6,6 +6,7 @@ use interval::Interval;
 use localizer::{Estimate, Pose, PoseUnion, Status};
 use sim::{
     base::DriveCommand,
+    devices::scanner::Fan,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},
     judge::{Verdict, distance_to_way_m},
     place::Bystander,
@@ -174,10 +175,19 @@ fn without_a_pose_the_driver_stands() {
     }
 }
 
+/// The scan that the driver is given after the sensors have observed the world, if one has arrived.
+fn scan(sensors: &mut Sensors, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+    sensors.observe(truth, people, None).unwrap();
+    sensors.look_out()
+}
+
 #[test]
 fn beams_end_where_geometry_says() {
     let keys = serde_json::json!({
-        "robot": { "proximity": { "field_deg": 180.0, "beams": 3, "range_m": 4.0, "height_m": 0.3, "tolerance_m": 0.0 } },
+        "robot": { "scanner": {
+            "field_deg": 180.0, "beams": 3, "range_m": 4.0, "height_m": 0.3, "tolerance_m": 0.0,
+            "position_tolerance_m": 0.0, "angle_tolerance_deg": 0.0,
+        } },
         "furniture": [
             { "x_m": 3.5, "y_m": 3.0, "size_m": [1.0, 0.5] },
             { "x_m": 2.0, "y_m": 3.0, "size_m": [0.2, 0.5], "height_m": 0.2 },
@@ -194,9 +204,9 @@ fn beams_end_where_geometry_says() {
         walked_m: 0.0,
         velocity_m_per_s: [0.0; 2],
     };
-    let fan = sensors.look_out(&truth, &[person]).unwrap();
+    let fan = scan(&mut sensors, &truth, &[person]).unwrap();
     let found: Vec<(f64, Option<f64>)> = fan.beams.iter().map(|beam| (beam.bearing_rad, beam.distance_m)).collect();
-    // Beams of the proximity sensor: the one to the right ends at the wall at y = 0; the one ahead passes over the lower box and ends at the face of
+    // Beams of the scanner: the one to the right ends at the wall at y = 0; the one ahead passes over the lower box and ends at the face of
     // the other box at x = 3; the one to the left ends at the person's front.
     for ((bearing_rad, distance_m), (at_rad, at_m)) in
         found.into_iter().zip([(-FRAC_PI_2, 3.0), (0.0, 1.5), (FRAC_PI_2, 0.95)])
@@ -206,10 +216,10 @@ fn beams_end_where_geometry_says() {
             "{bearing_rad}: {distance_m:?}"
         );
     }
-    assert_eq!(sensors.look_out(&Truth { time_s: 0.02, ..truth }, &[]), None, "not due before 0.05 s");
-    // The proximity sensor's beam ahead points to the far wall, whose distance of 6.5 m is beyond the sensor's range, so that it reports no distance.
+    assert_eq!(scan(&mut sensors, &Truth { time_s: 0.02, ..truth }, &[]), None, "not due before 0.05 s");
+    // The scanner's beam ahead points to the far wall, whose distance of 6.5 m is beyond the scanner's range, so that it reports no distance.
     let away = Truth { time_s: 0.05, pose: Pose { y_m: 4.0, ..truth.pose }, ..truth };
-    assert_eq!(sensors.look_out(&away, &[]).unwrap().beams[1].distance_m, None);
+    assert_eq!(scan(&mut sensors, &away, &[]).unwrap().beams[1].distance_m, None);
 }
 
 #[test]
@@ -236,14 +246,14 @@ fn clearance_is_measured_from_the_bodys_edge() {
 }
 
 /// A scene with a goal straight ahead, behind a box that the map does not show.
-fn blocked(proximity: bool, room_depth_m: f64) -> Scene {
+fn blocked(scanner: bool, room_depth_m: f64) -> Scene {
     let middle_m = 0.5 * room_depth_m;
     errands(
         &[[6.0, middle_m]],
         serde_json::json!({
             "room": { "width_m": 8.0, "depth_m": room_depth_m },
             "start": { "x_m": 1.5, "y_m": middle_m, "tolerance_m": 0.0, "tolerance_deg": 0.0 },
-            "robot": { "proximity": proximity },
+            "robot": { "scanner": scanner },
             "navigation": { "give_up_s": 12.0 },
             "furniture": [{ "x_m": 3.6, "y_m": middle_m, "size_m": [0.4, 0.8], "mapped": false }],
         }),
@@ -261,7 +271,7 @@ fn a_box_off_the_map_is_waited_for_and_driven_round() {
     assert!(record.truths.last().unwrap().time_s < 59.0, "the run ends with its errands");
 }
 
-/// Drives errands with true poses as estimates and the readings of the proximity sensor. Returns the errands' log and
+/// Drives errands with true poses as estimates and the scans of the scanner. Returns the errands' log and
 /// the least clearance of the robot.
 fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
     let drawn = nominal(scene);
@@ -273,7 +283,7 @@ fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
         if driver.is_done(time_s) {
             break;
         }
-        let fan = sensors.look_out(&world.truth(), &world.people());
+        let fan = scan(&mut sensors, &world.truth(), &world.people());
         let command = driver.command(&estimate(&world.truth()), fan.as_ref(), time_s);
         let truth = hold(&mut world, command, 0.01);
         least_m = least_m.min(Clearance::of(scene, &truth, &world.people()).least_m());
@@ -294,7 +304,7 @@ fn a_way_that_stays_blocked_is_given_up_in_time() {
 }
 
 #[test]
-fn without_a_proximity_sensor_a_box_off_the_map_is_run_into_and_counted() {
+fn without_a_scanner_a_box_off_the_map_is_run_into_and_counted() {
     let (_, verdict) = judged(&blocked(false, 6.0), 63);
     assert!(verdict.metrics["collisions"] >= 1.0, "{:?}", verdict.metrics);
     assert!(verdict.metrics["clearance_furniture_least_m"] <= 0.002);
@@ -308,7 +318,7 @@ fn nobody_is_run_into_and_nobody_waits_for_ever() {
     {
         let scene = errands(
             &[[6.5, 3.0], [1.5, 3.1]],
-            serde_json::json!({ "robot": { "proximity": true }, "person": [{ "waypoints_m": walk }], "duration_s": 180.0 }),
+            serde_json::json!({ "robot": { "scanner": true }, "person": [{ "waypoints_m": walk }], "duration_s": 180.0 }),
         );
         let (log, least_m) = drive_looking_out(&scene, seed as u64);
         assert!(log.errands.iter().all(|errand| errand.outcome == Outcome::Reached), "{walk:?} {log:?}");
@@ -322,7 +332,7 @@ fn a_robot_makes_way_for_somebody_who_waits_for_it() {
     let keys = serde_json::json!({
         "room": { "width_m": 8.0, "depth_m": 1.4 },
         "start": { "x_m": 2.2, "y_m": 0.7, "tolerance_m": 0.0, "tolerance_deg": 0.0 },
-        "robot": { "proximity": true },
+        "robot": { "scanner": true },
         "person": [{ "waypoints_m": [[4.4, 0.7], [3.0, 0.7], [7.5, 0.7]], "speed_m_per_s": 0.4 }],
         "duration_s": 180.0,
     });

@@ -189,6 +189,7 @@ fn a_landmark_that_was_moved_makes_the_localizer_doubt() {
         tiles: None,
         markers: None,
         wall_directions_rad: Vec::new(),
+        walls: None,
     };
     let method = RangeLandmarks::new(&robot(1, 2), Freedom::Full, Solver::OneShot).expect("a camera");
     let mut localizer = Localizer::new(map, robot(1, 2), vec![Box::new(method)], PoseBox::point(&[0.0; 3]));
@@ -270,6 +271,7 @@ fn constraints_that_stood_on_what_is_unlearnt_are_made_anew() {
         tiles: None,
         markers: None,
         wall_directions_rad: Vec::new(),
+        walls: None,
     };
     let mut localizer =
         Localizer::new(map, robot(0, 1), vec![Box::new(Believer { has_forgotten: false, n_readings: 0 })], start);

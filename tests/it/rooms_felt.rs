@@ -105,15 +105,18 @@ fn a_jamb_is_as_hard_as_a_wall() {
 #[test]
 fn beams_go_through_the_door_and_end_at_the_far_rooms_walls() {
     let fan = |truth: Truth, height_m: f64, building: Option<Value>| -> Vec<f64> {
-        let proximity =
-            json!({ "field_deg": 60.0, "beams": 3, "range_m": 8.0, "height_m": height_m, "tolerance_m": 0.0 });
-        let mut more = json!({ "robot": { "floor_camera": false, "proximity": proximity } });
+        let scanner = json!({
+            "field_deg": 60.0, "beams": 3, "range_m": 8.0, "height_m": height_m, "tolerance_m": 0.0,
+            "position_tolerance_m": 0.0, "angle_tolerance_deg": 0.0,
+        });
+        let mut more = json!({ "robot": { "floor_camera": false, "scanner": scanner } });
         if let Some(building) = building {
             more["building"] = building;
         }
         let scene = two_rooms(more);
         let mut sensors = Sensors::new(&scene, 0, &nominal(&scene), None);
-        let beams = sensors.look_out(&truth, &[]).unwrap().beams;
+        sensors.observe(&truth, &[], None).unwrap();
+        let beams = sensors.look_out().unwrap().beams;
         beams.iter().map(|beam| beam.distance_m.unwrap_or(f64::INFINITY)).collect()
     };
     let meets =

@@ -42,6 +42,7 @@ fn room() -> Map {
         tiles: None,
         markers: None,
         wall_directions_rad: Vec::new(),
+        walls: None,
     }
 }
 

@@ -359,6 +359,7 @@ fn images_that_hold_too_few_edges_to_say_anything_end_no_doubt() {
         tiles: None,
         markers: None,
         wall_directions_rad: vec![Interval::ZERO],
+        walls: None,
     };
     let robot = RobotModel { forward_camera: Some(camera([0.0; 5])), ..crate::range_landmarks_setup::robot(0, 0) };
     let setup = Setup { solves_lean: true, decides: true, ..Setup::default() };

@@ -1,4 +1,4 @@
-//! Localization methods, one file per cue (markers, tiles, walls, landmarks, satellites). A new method is one file here and one line in the
+//! Localization methods, one file per cue (markers, tiles, walls, landmarks, satellites, scans). A new method is one file here and one line in the
 //! table of the program that sets the localizer up.
 
 #[cfg(feature = "vision")]
@@ -14,4 +14,5 @@ mod tilt;
 pub mod range_landmarks;
 #[cfg(feature = "vision")]
 pub mod wall_directions;
+pub mod wall_ranges;
 mod window;

@@ -65,7 +65,7 @@ pub fn replay_log(robot: &SceneFile, path: &Path, choice: &SubjectChoice) -> Res
         &start_box(&log.told, log.keys),
         log.motion.readings.clone(),
         log.motion.excesses.clone(),
-        log.positions.clone(),
+        log.others(),
         log.keys.step_s,
     );
     log.show_images(&mut |reading| {

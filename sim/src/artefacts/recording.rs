@@ -17,9 +17,18 @@
 //! The metadata record `wherein_format` comes first. The scene's text is the attachment `scene.toml`; the metadata record `wherein` at the
 //! end names seed, version, graphics adapter and digests.
 
-use localizer::{Estimate, Pose, Reading, RobotModel, Status, localizer::Account};
+use localizer::{
+    Estimate, Pose, Reading, RobotModel, Status,
+    localizer::Account,
+    methods::wall_ranges::{self, Scan},
+};
 
-use crate::{devices::Observation, run::Witness, scene::Scene, truth::Truth};
+use crate::{
+    devices::Observation,
+    run::Witness,
+    scene::{Scanner, Scene},
+    truth::Truth,
+};
 
 mod bag;
 mod boxes;
@@ -84,6 +93,7 @@ pub struct Stream<S> {
     form: Form,
     robot: RobotModel,
     cameras: Vec<NominalCamera>,
+    scanner: Option<Scanner>,
     offset_s: f64,
     n_steps: usize,
     status: Status,
@@ -99,14 +109,19 @@ impl<S: Sink> Stream<S> {
             form,
             robot: scene.robot_model(),
             cameras: NominalCamera::all(scene),
+            scanner: scene.robot.scanner.clone(),
             offset_s: 0.0,
             n_steps: 0,
             status: Status::Sound,
             contradicting_s: None,
         };
-        if !stream.cameras.is_empty() {
-            let mounts = messages::robot_from_cameras(&stream.cameras);
-            stream.put("/tf_static", "tf2_msgs/TFMessage", 0.0, &mounts);
+        let cameras =
+            stream.cameras.iter().map(|camera| (cameras::topics(camera.name).frame, camera.robot_from_camera));
+        let scanner =
+            stream.scanner.as_ref().map(|scanner| (messages::SCANNER, scanner.nominal().body_from_scanner(scanner)));
+        let mounts: Vec<_> = cameras.chain(scanner).collect();
+        if !mounts.is_empty() {
+            stream.put("/tf_static", "tf2_msgs/TFMessage", 0.0, &messages::robot_from_devices(&mounts));
         }
         stream
     }
@@ -153,7 +168,14 @@ impl<S: Sink> Witness for Stream<S> {
             }
             Reading::Flow { .. } => self.put(topic, "wherein_msgs/Flow", arrived_s, &message),
             Reading::Range { .. } => self.put(topic, "wherein_msgs/Range", arrived_s, &message),
-            Reading::Other { .. } => self.put(topic, "wherein_msgs/Other", arrived_s, &message),
+            Reading::Other { device, numbers, .. } => {
+                self.put(topic, "wherein_msgs/Other", arrived_s, &message);
+                let scan = Scan::of(numbers).filter(|_| device == wall_ranges::DEVICE);
+                if let Some((scan, scanner)) = scan.zip(self.scanner.as_ref()) {
+                    let message = messages::laser_scan(measured_s, &scan, scanner);
+                    self.put("/scan", "sensor_msgs/LaserScan", arrived_s, &message);
+                }
+            }
         }
     }
 

@@ -15,8 +15,8 @@ mod forward_camera;
 pub mod gnss;
 pub mod gyro;
 pub mod point_camera;
-pub mod proximity;
 pub mod range_camera;
+pub mod scanner;
 mod surroundings;
 mod told_key;
 
@@ -29,7 +29,7 @@ use crate::{
     place::Bystander,
     scene::{
         CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gnss, Gyro, MethodName, PointCamera,
-        RangeCamera, Robot, Scene, with_every_kind, with_every_method,
+        RangeCamera, Robot, Scanner, Scene, with_every_kind, with_every_method,
     },
     truth::Truth,
 };

@@ -4,7 +4,7 @@ use localizer::{Estimate, Pose, PoseBox, Status};
 
 use crate::{
     base::DriveCommand,
-    devices::proximity::Fan,
+    devices::scanner::Fan,
     place::navigation::{OccupancyGrid, Planner},
     scene::{Navigation, Scene},
 };
@@ -106,7 +106,7 @@ impl ErrandDriver {
     pub fn new(scene: &Scene, random_goals_m: &[[f64; 2]]) -> ErrandDriver {
         let navigation = scene.navigation();
         let map = OccupancyGrid::of(scene);
-        let range_m = scene.robot.proximity.as_ref().map_or(0.0, |proximity| proximity.range_m);
+        let range_m = scene.robot.scanner.as_ref().map_or(0.0, |scanner| scanner.range_m);
         let keep_away_m = scene.robot.body_radius_m + navigation.margin_m;
         let here = Anchor { place_m: [scene.start.x_m, scene.start.y_m], since_s: 0.0 };
         ErrandDriver {
@@ -125,7 +125,7 @@ impl ErrandDriver {
         }
     }
 
-    /// The motion that the base is commanded for the next [`PERIOD_S`](super::PERIOD_S), by the localizer's estimate and the proximity sensor's latest reading.
+    /// The motion that the base is commanded for the next [`PERIOD_S`](super::PERIOD_S), by the localizer's estimate and the scanner's latest scan.
     pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> DriveCommand {
         let hull = estimate.pose.hull();
         if !hull.is_empty() {

@@ -2,7 +2,7 @@
 //!
 //! On a route the driver steers by the estimated pose: pure pursuit along the polyline, with stops and turns in place where the route asks
 //! for them. It is given estimates only, never the true pose, so that a robot with a wrong estimate drives as such a robot would. On
-//! errands it also has its proximity sensor.
+//! errands it also has its scanner.
 
 use localizer::{Estimate, Pose, Status};
 

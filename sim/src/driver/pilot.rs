@@ -2,7 +2,7 @@
 
 use localizer::Estimate;
 
-use crate::{base::DriveCommand, devices::proximity::Fan, scene::Scene, world::Drawn};
+use crate::{base::DriveCommand, devices::scanner::Fan, scene::Scene, world::Drawn};
 
 use super::{Driver, ErrandDriver, ErrandLog};
 
@@ -25,7 +25,7 @@ impl Pilot {
         }
     }
 
-    /// The motion that the base is commanded for the next [`PERIOD_S`](super::PERIOD_S). `fan` is the proximity sensor's reading, if a new one has arrived.
+    /// The motion that the base is commanded for the next [`PERIOD_S`](super::PERIOD_S). `fan` is the scanner's scan, if a new one has arrived.
     pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> DriveCommand {
         match self {
             Pilot::Route(driver) => driver.command(estimate, time_s),

@@ -1,12 +1,12 @@
-//! What the proximity sensor shows of the area ahead of the robot, and the obstacles that it has seen and that are not on the map.
+//! What the scanner shows of the area ahead of the robot, and the obstacles that it has seen and that are not on the map.
 
 use std::collections::BTreeMap;
 
 use localizer::Pose;
 
-use crate::{devices::proximity::Fan, place::navigation::OccupancyGrid};
+use crate::{devices::scanner::Fan, place::navigation::OccupancyGrid};
 
-/// Distance to something on the map within which a reading of the proximity sensor is taken to be of that thing. It covers the errors of the
+/// Distance to something on the map within which a scan is taken to be of that thing. It covers the errors of the
 /// estimate and of the sensor, and one grid cell.
 const KNOWN_M: f64 = 0.15;
 
@@ -18,21 +18,21 @@ const GAP_M: [f64; 2] = [0.2, 0.02];
 /// Both are less than the distance that planned paths keep from things.
 const BESIDE_M: [f64; 2] = [0.06, 0.02];
 
-/// Time from a proximity reading until the robot brakes: the sensor's period and the acceleration's rise time.
+/// Time from a scan until the robot brakes: the sensor's period and the acceleration's rise time.
 const REACTION_S: f64 = 0.3;
 
 /// How long an obstacle that was seen is assumed to be still there while the sensor does not look at it.
 const MEMORY_S: f64 = 20.0;
 
-/// Distance by which a beam of the proximity sensor must reach beyond the remembered place of an obstacle to show that the place is free again.
+/// Distance by which a beam of the scanner must reach beyond the remembered place of an obstacle to show that the place is free again.
 const BEYOND_M: f64 = 0.15;
 
-/// What the driver knows of the robot's surroundings: the map, the proximity sensor's last reading, and obstacles seen that are not on the map.
+/// What the driver knows of the robot's surroundings: the map, the scanner's last scan, and obstacles seen that are not on the map.
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     map: OccupancyGrid,
     body_radius_m: f64,
-    /// Greatest distance that the proximity sensor measures.
+    /// Greatest distance that the scanner measures.
     range_m: f64,
     /// End points of the last reading's beams in the robot frame, each with whether the map shows something there.
     ends_m: Vec<([f64; 2], bool)>,
@@ -46,7 +46,7 @@ impl Surroundings {
         Surroundings { map, body_radius_m, range_m, ends_m: Vec::new(), seen: BTreeMap::new() }
     }
 
-    /// Takes in a reading of the proximity sensor, made at an estimated pose.
+    /// Takes in a scan, made at an estimated pose.
     pub(super) fn look(&mut self, fan: &Fan, pose: Pose) {
         self.forget(fan, pose);
         let beams = fan.beams.iter().filter_map(|beam| Some((beam.bearing_rad, beam.distance_m?)));
@@ -115,7 +115,7 @@ impl Surroundings {
             let far_m = x_m.hypot(y_m) + BEYOND_M;
             let mut near =
                 fan.beams.iter().filter(|beam| (beam.bearing_rad - bearing_rad).abs() <= spread_rad).peekable();
-            // A beam of the proximity sensor that meets nothing has gone as far as the sensor's range.
+            // A beam of the scanner that meets nothing has gone as far as the sensor's range.
             let is_through = near.peek().is_some() && near.all(|beam| beam.distance_m.unwrap_or(range_m) > far_m);
             !is_through && fan.measured_s - *seen_s < MEMORY_S
         });

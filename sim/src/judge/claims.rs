@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use interval::Interval;
-use localizer::{Claim, Pose, reading::LandmarkId};
+use localizer::{Claim, Pose, map::Wall, reading::LandmarkId};
 use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;
@@ -53,6 +53,9 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
             .is_some_and(|planes| may_hold(&planes, &[Vector3::z()])),
         Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
+        Claim::WallPoint { bearing_rad, distance_m, within_m } => {
+            wall_distance_m([*bearing_rad, *distance_m], scene, drawn, truth).is_some_and(|at_m| at_m <= *within_m)
+        }
     }
 }
 
@@ -148,6 +151,22 @@ fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Sce
     let (x_m, y_m) = (landmark.x_m - truth.pose.x_m, landmark.y_m - truth.pose.y_m);
     let (sin, cos) = truth.pose.heading_rad.sin_cos();
     in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
+}
+
+/// Distance, seen from above, between the nearest wall of the map and the point that a beam of the scanner has measured, from where the scanner truly
+/// is; `None` where there is no scanner or no wall.
+fn wall_distance_m([bearing_rad, distance_m]: [f64; 2], scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<f64> {
+    let (keys, mount) = (scene.robot.scanner.as_ref()?, drawn.devices.scanner.as_ref()?);
+    let (sin, cos) = bearing_rad.sin_cos();
+    let measured =
+        truth.world_from_body() * mount.body_from_scanner(keys) * Point3::new(distance_m * cos, distance_m * sin, 0.0);
+    let to_wall_m = |wall: Wall| {
+        let [from, to] = wall.ends_m.map(Point2::from);
+        let way = to - from;
+        let share = (measured.xy() - from).dot(&way) / way.norm_squared();
+        (from + way * share.clamp(0.0, 1.0) - measured.xy()).norm()
+    };
+    scene.mapped_walls().into_iter().map(to_wall_m).min_by(f64::total_cmp)
 }
 
 /// How far the point on the floor that a pixel of the floor camera sees moves for one pixel to the right, and for one pixel down.

@@ -226,7 +226,11 @@ impl MarkerCounts {
 fn claims(image: &ImageRecord) -> impl Iterator<Item = (MarkerId, &[SeenDot])> {
     image.claims.iter().filter_map(|claim| match claim {
         Claim::Marker { marker, dots_px } => Some((*marker, dots_px.as_slice())),
-        Claim::FloorJoint { .. } | Claim::WallLine { .. } | Claim::UprightLine { .. } | Claim::Landmark { .. } => None,
+        Claim::FloorJoint { .. }
+        | Claim::WallLine { .. }
+        | Claim::UprightLine { .. }
+        | Claim::Landmark { .. }
+        | Claim::WallPoint { .. } => None,
     })
 }
 

@@ -4,6 +4,7 @@ mod body;
 mod coverings;
 mod doorways;
 mod ground_plan;
+mod mapped_walls;
 mod openings;
 mod panel;
 mod upright_box;

@@ -35,7 +35,8 @@ fn draw_furniture(scene: &Scene, seed: u64) -> Vec<f64> {
     let (tolerance_deg, errors) = (scene.building.furniture_tolerance_deg, scene.robot.errors);
     // With the distribution `Drift` all pieces of furniture are askew by the same angle, so that they agree with each other.
     let mut turn = Repeated::new(errors, stream(seed, "furniture"));
-    scene.furniture.iter().map(|_| turn.one_way(tolerance_deg)).collect()
+    let drawn_deg = scene.furniture.iter().map(|piece| (piece.wall, turn.one_way(tolerance_deg)));
+    drawn_deg.map(|(is_wall, turn_deg)| if is_wall { 0.0 } else { turn_deg }).collect()
 }
 
 /// Draws at random one angle by which all walls are turned. The walls agree with each other, so that no image of them can distinguish this turn

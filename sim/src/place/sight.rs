@@ -1,6 +1,6 @@
 //! What stands between two points: walls, furniture, people.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rapier3d_f64::{
     parry::{
         query::{Ray, RayCast},
@@ -51,20 +51,21 @@ impl Obstacles {
         !self.boxes.iter().any(piece) && !people.iter().any(person)
     }
 
-    /// Distance from a sensor to the nearest surface along a horizontal direction; `None` if it is beyond `range_m`.
+    /// Distance from a sensor to the nearest surface along a direction that is nearly level, given as a unit vector; `None` if it is beyond `range_m`.
     pub(crate) fn nearest_m(
         &self,
         eye: Point3<f64>,
-        direction_rad: f64,
+        direction: Vector3<f64>,
         range_m: f64,
         people: &[Bystander],
     ) -> Option<f64> {
-        let (sin, cos) = direction_rad.sin_cos();
-        let ray = Ray::new(vector(eye), Vector::new(cos, sin, 0.0));
-        let wall_m = self.ground_plan.wall_ahead_m(eye, direction_rad);
+        let ray = Ray::new(vector(eye), vector(Point3::from(direction)));
+        // Walls and floor are met by the share of the way that is level and by that which goes down.
+        let wall_m = self.ground_plan.wall_ahead_m(eye, direction.y.atan2(direction.x)) / direction.xy().norm();
+        let floor_m = if direction.z < 0.0 { -eye.z / direction.z } else { f64::INFINITY };
         let boxes = self.boxes.iter().filter_map(|(pose, shape)| shape.cast_ray(pose, &ray, range_m, true));
         let people = people.iter().filter_map(|person| person_at(person, &ray, range_m));
-        let nearest_m = boxes.chain(people).fold(wall_m, f64::min);
+        let nearest_m = boxes.chain(people).fold(wall_m.min(floor_m), f64::min);
         (nearest_m <= range_m).then_some(nearest_m)
     }
 }

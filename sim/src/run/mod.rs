@@ -220,7 +220,7 @@ impl Simulation<'_> {
         if pilot.is_done(time_s) {
             return None;
         }
-        let fan = sensors.look_out(&world.truth(), &world.people());
+        let fan = sensors.look_out();
         let truth = world.truth();
         let believed = if scene.is_led() {
             exactly_at(truth.time_s, truth.pose)

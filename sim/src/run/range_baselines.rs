@@ -109,7 +109,8 @@ impl RangeBaselines {
                 Claim::FloorJoint { .. }
                 | Claim::WallLine { .. }
                 | Claim::UprightLine { .. }
-                | Claim::Marker { .. } => None,
+                | Claim::Marker { .. }
+                | Claim::WallPoint { .. } => None,
             })
             .collect();
         self.with_codes.fix(&seen, start, odometry, |map, points, _| {

@@ -7,15 +7,10 @@ pub mod still;
 use localizer::{Reading, reading::Camera};
 
 use crate::{
-    devices::{
-        FittedSensor, Observation, Sensor,
-        delivery::Delivery,
-        encoders::WheelSensor,
-        proximity::{Fan, ProximitySensor},
-    },
+    devices::{FittedSensor, Observation, Sensor, delivery::Delivery, encoders::WheelSensor, scanner::Fan},
     place::{Bystander, building::UprightBody},
     render::{RenderError, RenderedWorld, Renderer, View},
-    scene::Scene,
+    scene::{Scanner, Scene},
     truth::Truth,
     world::Drawn,
 };
@@ -35,7 +30,9 @@ pub struct Sensors {
     delivery: Delivery,
     /// Whether the latest reading of the gyroscope shows a turn that blurs images.
     turns: bool,
-    proximity: Option<ProximitySensor>,
+    scanner: Option<Scanner>,
+    /// The latest scan that has arrived and that the driver has not asked for yet.
+    scan: Option<Fan>,
     /// Readings that have been taken but not yet delivered.
     on_the_way: Vec<Observation>,
 }
@@ -78,7 +75,8 @@ impl Sensors {
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
             delivery: Delivery::new(&scene.robot.delivery, drawn.base.clock_s, scene.robot.errors, seed),
             turns: false,
-            proximity: ProximitySensor::new(scene, seed),
+            scanner: scene.robot.scanner.clone(),
+            scan: None,
             on_the_way: Vec::new(),
         }
     }
@@ -113,12 +111,15 @@ impl Sensors {
             .partition(|observation| observation.reading.arrived_s() <= truth.time_s);
         self.on_the_way = waiting;
         arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
+        if let Some(scanner) = &self.scanner {
+            self.scan = arrived.iter().rev().find_map(|one| Fan::of(&one.reading, scanner)).or(self.scan.take());
+        }
         Ok(arrived)
     }
 
-    /// A reading (fan of beams) of the proximity sensor, if one is due. Besides the estimate, it is all that the driver may know.
-    pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
-        self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
+    /// The latest scan of the range scanner, if one has arrived since the last call. Besides the estimate, it is all that the driver may know.
+    pub fn look_out(&mut self) -> Option<Fan> {
+        self.scan.take()
     }
 }
 

@@ -73,8 +73,11 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
             "placement_tolerance_m": 0.004, "rotation_tolerance_deg": 0.5, "print_tolerance_m": 0.0003, "height_tolerance_m": 0.005,
         });
     }
-    if reads_walls(stated) {
-        keys["localizer"] = json!({ "wall_directions": { "tolerance_deg": 0.3, "askew_deg": 2.0 } });
+    if uses(stated, "wall_directions") {
+        keys["localizer"]["wall_directions"] = json!({ "tolerance_deg": 0.3, "askew_deg": 2.0 });
+    }
+    if uses(stated, "wall_ranges") {
+        keys["localizer"]["wall_ranges"] = json!({ "placement_tolerance_m": 0.02 });
     }
     let mut robot = json!({
         "base": { "wheel_radius_tolerance": 0.005, "track_tolerance": 0.005 },
@@ -111,9 +114,10 @@ fn posture(preset: RobotPreset) -> Value {
     })
 }
 
-fn reads_walls(stated: &Map<String, Value>) -> bool {
+/// Whether the scene's localizer uses the method of this name.
+fn uses(stated: &Map<String, Value>, name: &str) -> bool {
     let methods = stated.get("localizer").and_then(|localizer| localizer.get("methods")).and_then(Value::as_array);
-    methods.into_iter().flatten().any(|method| method == "wall_directions")
+    methods.into_iter().flatten().any(|method| method == name)
 }
 
 fn leave_out_what_is_stated_in_part(keys: &mut Value, stated: &Map<String, Value>) {

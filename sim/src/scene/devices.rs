@@ -10,8 +10,8 @@ mod forward_camera;
 mod gnss;
 mod gyro;
 mod point_camera;
-mod proximity;
 mod range_camera;
+mod scanner;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -27,8 +27,8 @@ pub use forward_camera::ForwardCamera;
 pub use gnss::{Gnss, Outage, Reception, Shadow};
 pub use gyro::Gyro;
 pub use point_camera::PointCamera;
-pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
+pub use scanner::Scanner;
 
 /// List of all kinds of devices for a macro: for each kind its description, the key of its table under `[robot]`, and the type of that table. Devices
 /// that the board of the robot's base reads are read in the order of this list.
@@ -53,6 +53,8 @@ macro_rules! with_every_kind {
             /// Camera whose front end tells where in its image it sees which landmark: a table of its keys, `true` for the default one, or `false`
             /// for none.
             point_camera: PointCamera as "Fitted<PointCamera>";
+            /// Planar range scanner: a table of its keys, `true` for the default one, or `false` for none.
+            scanner: Scanner as "Fitted<Scanner>";
         }
     };
 }
@@ -77,6 +79,8 @@ macro_rules! with_every_method {
             /// Method that locates the robot by landmarks in space whose places an earlier drive or this one has learnt, seen by a camera that knows
             /// them again (paper 4).
             MappedLandmarks reads point_camera,
+            /// Method that locates the robot by the distances of walls that a planar range scanner measures.
+            WallRanges reads scanner,
         }
     };
 }

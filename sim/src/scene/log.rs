@@ -99,6 +99,9 @@ pub struct Topics {
     /// Topic of satellite navigation, of type `sensor_msgs/NavSatFix`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gnss: Option<String>,
+    /// Topic of the planar range scanner, of type `sensor_msgs/LaserScan`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scanner: Option<String>,
 }
 
 /// Names of the wheels' joints.

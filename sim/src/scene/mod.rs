@@ -37,6 +37,7 @@ mod sensor;
 mod sources;
 mod things;
 mod wall_directions;
+mod wall_ranges;
 
 pub(crate) use base::with_every_base;
 pub use base::{Base, BaseKind, Differential};
@@ -66,6 +67,7 @@ pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use sources::Sources;
 pub use things::{Furniture, Landmark, Person};
 pub use wall_directions::{WallDirectionsChain, WallDirectionsSetup};
+pub use wall_ranges::WallRangesSetup;
 
 /// One situation to simulate: room, floor, light, robot, route, events, declared bounds and expected results.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -229,6 +231,9 @@ pub struct LocalizerSetup {
     /// more.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mapped_landmarks: Option<MappedLandmarksSetup>,
+    /// Setup of the method `wall_ranges`, which locates the robot by the distances of walls: what it knows of the building's walls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_ranges: Option<WallRangesSetup>,
     /// Whether the localizer learns the gyroscope's bias and scale: from the turns between fixes of the heading by other sensors, and, where
     /// `bounds.rest_turn_deg` is stated, also while the robot rests.
     pub learns_gyro: bool,
@@ -251,6 +256,7 @@ impl Default for LocalizerSetup {
             range_landmarks_solver: RangeLandmarksSolver::OneShot,
             wall_directions: None,
             mapped_landmarks: None,
+            wall_ranges: None,
             learns_gyro: false,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
@@ -267,6 +273,11 @@ impl LocalizerSetup {
     /// Setup of the method `mapped_landmarks`, which locates the robot by landmarks in space: the scene's, or the default if the scene states none.
     pub fn mapped_landmarks(&self) -> MappedLandmarksSetup {
         self.mapped_landmarks.clone().unwrap_or_default()
+    }
+
+    /// Setup of the method `wall_ranges`, which locates the robot by the distances of walls: the scene's, or the default if the scene states none.
+    pub fn wall_ranges(&self) -> WallRangesSetup {
+        self.wall_ranges.clone().unwrap_or_default()
     }
 }
 

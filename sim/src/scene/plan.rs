@@ -56,14 +56,18 @@ impl Scene {
         Plan { size_m: [self.room.width_m, self.room.depth_m], turn_rad: self.building.turned_rad }
     }
 
-    /// Turns all walls, with the doors, pictures and windows in them. Things that stand on the floor, lie in the floor or are under the ceiling stay
-    /// in place.
+    /// Turns all walls, with the doors, pictures and windows in them, and the pieces of furniture that are walls. Other things that stand on the floor,
+    /// lie in the floor or are under the ceiling stay in place.
     pub(crate) fn turn_walls(&mut self, turn_deg: f64) {
         self.building.turned_rad = turn_deg.to_radians();
         let plan = self.plan();
         for room in &mut self.building.rooms {
             [room.x_m, room.y_m] = plan.stands([room.x_m, room.y_m]);
             room.heading_deg += turn_deg;
+        }
+        for piece in self.furniture.iter_mut().filter(|piece| piece.wall) {
+            [piece.x_m, piece.y_m] = plan.stands([piece.x_m, piece.y_m]);
+            piece.rotation_deg += turn_deg;
         }
         for door in &mut self.building.doors {
             (door.from_m, door.to_m) = (plan.stands(door.from_m), plan.stands(door.to_m));

@@ -48,11 +48,6 @@ macro_rules! define {
             )+
             /// How readings of wheels, gyroscope and flow sensor reach the localizer: at once and each exactly once, unless stated otherwise.
             pub delivery: Delivery,
-            /// Rangefinders that detect what is in the robot's way to a goal: a table of their keys, `true` for the default ones, or `false` for
-            /// none.
-            #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
-            #[schemars(with = "Fitted<Proximity>")]
-            pub proximity: Option<Proximity>,
         }
 
         impl Default for Robot {
@@ -69,7 +64,6 @@ macro_rules! define {
                     errors: Distribution::Uniform,
                     encoders: Encoders::default(),
                     delivery: Delivery::default(),
-                    proximity: None,
                     $($name: None,)+
                 };
                 Robot { floor_camera: Some(FloorCamera::default()), ..bare }

@@ -4,7 +4,7 @@ use localizer::methods::wall_directions::{LEARNT_APART_RAD, Quotas};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{MethodName, Scene};
+use super::Scene;
 
 /// Setup of the method `wall_directions`, which finds the heading by level edges in images: what it knows of the building's walls, and how it
 /// finds the edges.
@@ -141,20 +141,5 @@ impl Scene {
     /// Whether a wall direction that is `off_deg` off every mapped one is certain to be learnt by the localizer, so that its map need not have it.
     pub(crate) fn is_learnt_at(&self, off_deg: f64) -> bool {
         self.localizer.wall_directions().learns && off_deg > LEARNT_APART_RAD.to_degrees()
-    }
-
-    /// Whether the seed turns the walls by a random angle, which is done only if a method reads their directions.
-    pub(crate) fn draws_walls(&self) -> bool {
-        self.localizer.methods.contains(&MethodName::WallDirections)
-    }
-
-    /// Greatest random turn of the walls against the scene: the declared tolerance of the mapped wall directions, less the error of the directions
-    /// that the map states.
-    pub(crate) fn walls_askew_deg(&self) -> f64 {
-        if !self.draws_walls() {
-            return 0.0;
-        }
-        let off_deg = self.wall_directions_off_deg(&self.stated_wall_directions_deg());
-        (self.localizer.wall_directions().tolerance_deg - off_deg).max(0.0)
     }
 }

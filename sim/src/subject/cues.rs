@@ -14,7 +14,7 @@ mod position;
 mod range;
 mod walls;
 
-use localizer::{Map, Reading, RobotModel, reading::Camera};
+use localizer::{Map, Reading, RobotModel, methods::gnss_positions, reading::Camera};
 use nalgebra::{Matrix2, Matrix3, Vector2};
 
 use crate::scene::Scene;
@@ -72,8 +72,8 @@ impl Mounted {
             Reading::Camera { camera: Camera::Ceiling, .. } => Some(Mounted::CeilingCamera),
             Reading::Camera { camera: Camera::Forward, .. } => Some(Mounted::ForwardCamera),
             Reading::Range { .. } => Some(Mounted::RangeCamera),
-            Reading::Other { .. } => Some(Mounted::Antenna),
-            Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Flow { .. } => None,
+            Reading::Other { device, .. } if device == gnss_positions::DEVICE => Some(Mounted::Antenna),
+            Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Flow { .. } | Reading::Other { .. } => None,
         }
     }
 }

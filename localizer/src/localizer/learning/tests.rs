@@ -123,7 +123,7 @@ fn drive(
         range_camera: None,
     };
     let room = Interval::new(-5.0, 5.0);
-    let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new() };
+    let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new(), walls: None };
     let start = PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(0.0, FIX_RAD)]);
     let mut localizer = Localizer::new(map, robot, vec![Box::new(compass)], start);
     if let Some((_, rest_turn_rad)) = learns {

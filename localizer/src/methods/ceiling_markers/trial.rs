@@ -139,7 +139,8 @@ impl Table {
         let image = Ceiling { electrons: ELECTRONS, ..Ceiling::new(vec![pasted]) }.picture(&eye, random);
         let fix = paper::locate(&image, &map, &robot);
         let room = Interval::new(-20.0, 20.0);
-        let all = Map { room_m: [room, room], tiles: None, markers: Some(map), wall_directions_rad: Vec::new() };
+        let all =
+            Map { room_m: [room, room], tiles: None, markers: Some(map), wall_directions_rad: Vec::new(), walls: None };
         let mut method = CeilingMarkers::new(&all, &robot).expect("a camera and a marker");
         let (camera, image) = (Camera::Ceiling, image.into());
         let reading = Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera, exposure_s: 0.002, image };
@@ -226,8 +227,13 @@ fn an_error_before_the_lean_turns_by_no_more_than_the_heading_allows_for() {
             ..camera
         });
         let room = Interval::new(-20.0, 20.0);
-        let map =
-            Map { room_m: [room, room], tiles: None, markers: Some(paper_map()), wall_directions_rad: Vec::new() };
+        let map = Map {
+            room_m: [room, room],
+            tiles: None,
+            markers: Some(paper_map()),
+            wall_directions_rad: Vec::new(),
+            walls: None,
+        };
         let allowed = CeilingMarkers::new(&map, &robot).expect("a camera and a marker").yaw_error();
         let about = random.between(-3.2, 3.2);
         let error = Rotation3::new(Vector3::new(about.cos(), about.sin(), 0.0) * tilt_rad);

@@ -84,7 +84,8 @@ pub(super) fn method(robot: &RobotModel, chain: Chain) -> FloorTiles {
         laying_angle_rad: 0.0,
         straightness_m: 0.0,
     };
-    let map = Map { room_m: [room, room], tiles: Some(grid), markers: None, wall_directions_rad: Vec::new() };
+    let map =
+        Map { room_m: [room, room], tiles: Some(grid), markers: None, wall_directions_rad: Vec::new(), walls: None };
     FloorTiles::new(&map, robot, chain).unwrap_or_else(|| panic!("a tiled map and a floor camera"))
 }
 

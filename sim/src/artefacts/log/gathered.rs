@@ -2,7 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use localizer::{Pose, methods::gnss_positions::Position, reading::Camera};
+use localizer::{
+    Pose,
+    methods::{gnss_positions::Position, wall_ranges::Scan},
+    reading::Camera,
+};
 
 use super::{
     account::{ClockStep, Topic},
@@ -11,7 +15,7 @@ use super::{
     raw_message::RawMessage,
     topics::Role,
 };
-use crate::scene::{Datum, Gnss, Log, Stamps, UpAxis};
+use crate::scene::{Datum, Gnss, Log, Scanner, Stamps, UpAxis};
 
 /// A value of a message with the message's times in nanoseconds, and its number among the messages of its topic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +37,8 @@ pub(super) struct Gathered {
     pub(super) rates: Vec<Stamped<f64>>,
     /// Positions by satellite navigation, in the world frame.
     pub(super) positions: Vec<Stamped<Position>>,
+    /// Scans of the range scanner.
+    pub(super) scans: Vec<Stamped<Scan>>,
     /// True poses as the log has them.
     pub(super) truth: Vec<Stamped<Pose>>,
     /// Images of each camera, of which the log is read again.
@@ -70,6 +76,7 @@ enum Value {
     Joints([f64; 2]),
     Rate(f64),
     Position(Position),
+    Scan(Scan),
     Truth(Pose),
     Image(Camera),
     Lens(Camera, LensInfo),
@@ -79,6 +86,7 @@ enum Value {
 pub(super) struct Manner<'a> {
     pub(super) keys: &'a Log,
     pub(super) receiver: Option<&'a Gnss>,
+    pub(super) scanner: Option<&'a Scanner>,
 }
 
 impl Gathered {
@@ -149,6 +157,14 @@ impl Gathered {
                 let (datum, receiver) = datum.ok_or_else(short)?;
                 (header, Value::Position(position(&fix, datum, receiver)?))
             }
+            Role::Scans => {
+                let (mut header, scan) = messages::laser_scan(message.data).ok_or_else(short)?;
+                let sweep_s = scan.step_s * scan.distances_m.len().saturating_sub(1) as f64;
+                let value = scan_of(scan, sweep_s, manner.scanner.ok_or_else(short)?)?;
+                // The stamp is that of the first beam; the middle of the sweep is nearest to all beams.
+                header.stamp_ns = header.stamp_ns.saturating_add((0.5e9 * sweep_s) as i64);
+                (header, Value::Scan(value))
+            }
             Role::Image(camera) => (messages::header(message.data).ok_or_else(short)?, Value::Image(camera)),
             Role::CameraInfo(camera) => {
                 let (header, lens) = messages::camera_info(message.data).ok_or_else(short)?;
@@ -181,6 +197,7 @@ impl Gathered {
             Value::Joints(angles_rad) => self.joints.push(stamped!(angles_rad)),
             Value::Rate(rate_rad_per_s) => self.rates.push(stamped!(rate_rad_per_s)),
             Value::Position(position) => self.positions.push(stamped!(position)),
+            Value::Scan(scan) => self.scans.push(stamped!(scan)),
             Value::Truth(pose) => self.truth.push(stamped!(pose)),
             Value::Image(camera) => self.images.entry(camera).or_default().push(stamped!(())),
             Value::Lens(camera, lens) => {
@@ -198,6 +215,7 @@ impl Gathered {
                 Role::Joints => check(&mut self.joints, &mut topic, keys),
                 Role::Imu => check(&mut self.rates, &mut topic, keys),
                 Role::Gnss => check(&mut self.positions, &mut topic, keys),
+                Role::Scans => check(&mut self.scans, &mut topic, keys),
                 Role::Truth => check(&mut self.truth, &mut topic, keys),
                 Role::Image(camera) => check(self.images.entry(*camera).or_default(), &mut topic, keys),
                 Role::CameraInfo(_) => {}
@@ -311,6 +329,22 @@ fn about_vertical([x, y, z]: [f64; 3], up: UpAxis) -> f64 {
         UpAxis::MinusY => -y,
         UpAxis::MinusZ => -z,
     }
+}
+
+/// The scan that a message tells, all of whose beams are taken to be measured at one instant; they are within `sweep_s`.
+fn scan_of(scan: messages::LaserScan, sweep_s: f64, scanner: &Scanner) -> Result<Scan, (&'static str, String)> {
+    finite(&[scan.first_rad, scan.step_rad, scan.step_s])?;
+    let allowed_s = scanner.stamp_tolerance_s;
+    if 0.5 * sweep_s.abs() > allowed_s {
+        let detail = format!(
+            "its beams are measured over {sweep_s:.4} s, where `robot.scanner.stamp_tolerance_s` is {allowed_s}, expected half of that time at least"
+        );
+        return Err(("its beams are measured over a longer time than declared", detail));
+    }
+    let [least_m, most_m] = scan.between_m;
+    let distance = |&at_m: &f64| (at_m.is_finite() && least_m <= at_m && at_m <= most_m && at_m >= 0.0).then_some(at_m);
+    let distances_m = scan.distances_m.iter().map(distance).collect();
+    Ok(Scan { first_rad: scan.first_rad, step_rad: scan.step_rad, distances_m })
 }
 
 /// The position in the world of a satellite fix, and whether it is as good as one with resolved ambiguities.

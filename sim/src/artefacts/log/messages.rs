@@ -132,6 +132,32 @@ pub(super) fn satellite_fix(message: &[u8]) -> Option<(Header, SatelliteFix)> {
     Some((header, SatelliteFix { status, latitude_deg, longitude_deg, altitude_m, covariance_m2 }))
 }
 
+/// The content of a `sensor_msgs/LaserScan` without its intensities.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LaserScan {
+    /// Bearing of the first beam, counter-clockwise from the scanner's forward axis.
+    pub(super) first_rad: f64,
+    /// Angle from one beam to the next.
+    pub(super) step_rad: f64,
+    /// Time from the measurement of one beam to that of the next.
+    pub(super) step_s: f64,
+    /// Least and greatest distance that a beam measures. Other numbers among the distances stand for a beam that measured nothing.
+    pub(super) between_m: [f64; 2],
+    pub(super) distances_m: Vec<f64>,
+}
+
+/// The distances of a `sensor_msgs/LaserScan`, with the stamp of the first beam.
+pub(super) fn laser_scan(message: &[u8]) -> Option<(Header, LaserScan)> {
+    let mut fields = Fields::of_others(message)?;
+    let header = header_of(&mut fields)?;
+    let mut number = || fields.f32().map(f64::from);
+    let (first_rad, _last_rad, step_rad) = (number()?, number()?, number()?);
+    let (step_s, _period_s) = (number()?, number()?);
+    let between_m = [number()?, number()?];
+    let distances_m = fields.sequence(|fields| fields.f32().map(f64::from))?;
+    Some((header, LaserScan { first_rad, step_rad, step_s, between_m, distances_m }))
+}
+
 /// The lens of a `sensor_msgs/CameraInfo`.
 pub(super) fn camera_info(message: &[u8]) -> Option<(Header, LensInfo)> {
     let mut fields = Fields::of_others(message)?;

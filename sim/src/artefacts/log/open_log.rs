@@ -2,7 +2,14 @@
 
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 
-use localizer::{Reading, methods::gnss_positions::DEVICE, reading::Camera};
+use localizer::{
+    Reading,
+    methods::{
+        gnss_positions::{self, Position},
+        wall_ranges::{self, Scan},
+    },
+    reading::Camera,
+};
 
 use super::{
     account,
@@ -40,6 +47,8 @@ pub(super) struct OpenLog<'a> {
     pub(super) motion: Motion,
     /// Readings of satellite navigation, in the order of their stamps.
     pub(super) positions: Vec<Reading>,
+    /// Scans of the range scanner, in the order of their stamps.
+    pub(super) scans: Vec<Reading>,
     pub(super) truth: Option<TruePath>,
 }
 
@@ -50,7 +59,8 @@ impl<'a> OpenLog<'a> {
         let source = Source::open(path)?;
         let (roles, offered) = roles(robot, keys, path, &source)?;
         let mut gathered = Gathered::default();
-        let manner = Manner { keys, receiver: robot.scene.robot.gnss.as_ref() };
+        let manner =
+            Manner { keys, receiver: robot.scene.robot.gnss.as_ref(), scanner: robot.scene.robot.scanner.as_ref() };
         let damage = source.read(&mut |message| match roles.get(message.topic) {
             Some(role) => gathered.take(message, *role, &manner),
             None => true,
@@ -69,9 +79,17 @@ impl<'a> OpenLog<'a> {
             with_lenses(&robot.scene, keys, path, &gathered).map_err(|error| error.with_damage(&damage))?;
         let told = motion::told(&scene, keys, &gathered);
         let motion = Motion::of(&gathered, zero_ns, &told, keys);
-        let positions = positions(&gathered.positions, zero_ns);
+        let positions = others(&gathered.positions, zero_ns, gnss_positions::DEVICE, Position::numbers);
+        let scans = others(&gathered.scans, zero_ns, wall_ranges::DEVICE, Scan::numbers);
         let truth = true_path(robot, keys, &gathered, zero_ns)?;
-        Ok(OpenLog { keys, source, roles, gathered, damage, zero_ns, told, lenses, motion, positions, truth })
+        Ok(OpenLog { keys, source, roles, gathered, damage, zero_ns, told, lenses, motion, positions, scans, truth })
+    }
+
+    /// Readings of all devices that need neither motion nor pixels, in the order of their stamps.
+    pub(super) fn others(&self) -> Vec<Reading> {
+        let mut all = [self.positions.as_slice(), &self.scans].concat();
+        all.sort_by(|one, other| one.measured_s().total_cmp(&other.measured_s()));
+        all
     }
 
     /// Devices that the robot's file describes and of which the log has no reading that can be used.
@@ -82,7 +100,8 @@ impl<'a> OpenLog<'a> {
             .filter(|camera| robot.camera(*camera).is_some() && gathered.images.get(camera).is_none_or(Vec::is_empty));
         let gyro = robot.gyro.as_ref().filter(|_| gathered.rates.is_empty()).map(|_| "gyro");
         let receiver = robot.gnss.as_ref().filter(|_| gathered.positions.is_empty()).map(|_| "gnss");
-        gyro.into_iter().chain(receiver).chain(cameras.map(Camera::device)).collect()
+        let scanner = robot.scanner.as_ref().filter(|_| gathered.scans.is_empty()).map(|_| "scanner");
+        gyro.into_iter().chain(receiver).chain(scanner).chain(cameras.map(Camera::device)).collect()
     }
 
     /// Reads the log once more and shows its images one by one, until `see` answers that no more are wanted.
@@ -217,11 +236,11 @@ fn with_lenses(
     Ok((scene, found))
 }
 
-/// Readings of satellite navigation, in the order of their stamps.
-fn positions(found: &[Stamped<localizer::methods::gnss_positions::Position>], zero_ns: i64) -> Vec<Reading> {
-    let reading = |one: &Stamped<localizer::methods::gnss_positions::Position>| {
+/// Readings of a device of no kind of its own, such as a receiver of satellite navigation, in the order of their stamps.
+fn others<T>(found: &[Stamped<T>], zero_ns: i64, device: &str, numbers: fn(&T) -> Vec<f64>) -> Vec<Reading> {
+    let reading = |one: &Stamped<T>| {
         let at_s = one.stamp_ns.saturating_sub(zero_ns) as f64 * 1e-9;
-        Reading::Other { measured_s: at_s, arrived_s: at_s, device: DEVICE.to_owned(), numbers: one.value.numbers() }
+        Reading::Other { measured_s: at_s, arrived_s: at_s, device: device.to_owned(), numbers: numbers(&one.value) }
     };
     found.iter().map(reading).filter(|reading| reading.measured_s() >= 0.0).collect()
 }

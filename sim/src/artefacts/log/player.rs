@@ -44,7 +44,7 @@ pub(super) struct Played {
     /// The box around the union just after each reading that constrained the pose.
     pub(super) fixes: Vec<PoseBox>,
     pub(super) methods: BTreeMap<&'static str, MethodCounts>,
-    /// Number of images and positions of which no method made anything.
+    /// Number of images, positions and scans of which no method made anything.
     pub(super) n_unused: usize,
     pub(super) n_readings: usize,
     pub(super) failure: Option<Failure>,
@@ -57,7 +57,8 @@ pub(super) struct Played {
 pub(super) struct Player {
     subject: Box<dyn Subject>,
     motion: VecDeque<Reading>,
-    positions: VecDeque<Reading>,
+    /// Readings of devices that need neither motion nor pixels: positions of satellite navigation, and scans.
+    others: VecDeque<Reading>,
     step_s: f64,
     /// Stamp of the latest reading of the wheels.
     rolled_s: f64,
@@ -70,13 +71,13 @@ pub(super) struct Player {
 }
 
 impl Player {
-    /// Starts the localizer at time 0 in the box `start`. `motion` and `positions` are in the order of their stamps.
+    /// Starts the localizer at time 0 in the box `start`. `motion` and `others` are in the order of their stamps.
     pub(super) fn start(
         mut subject: Box<dyn Subject>,
         start: &PoseBox,
         motion: Vec<Reading>,
         excesses: Vec<SlipExcess>,
-        positions: Vec<Reading>,
+        others: Vec<Reading>,
         step_s: f64,
     ) -> Player {
         subject.start(start);
@@ -99,7 +100,7 @@ impl Player {
         Player {
             subject,
             motion: motion.into(),
-            positions: positions.into(),
+            others: others.into(),
             step_s,
             rolled_s: f64::NEG_INFINITY,
             due_s: None,
@@ -129,7 +130,7 @@ impl Player {
         self.advance_to(f64::INFINITY);
         self.answer_if_due();
         self.played.subject_log = self.subject.end();
-        self.played.n_unused += self.positions.len();
+        self.played.n_unused += self.others.len();
         let digest = self.digest.finalize();
         self.played.readings_digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();
         self.played
@@ -144,9 +145,9 @@ impl Player {
             self.hand(&reading);
             if is_wheels {
                 self.rolled_s = measured_s;
-                while self.positions.front().is_some_and(|position| position.measured_s() <= measured_s) {
-                    let Some(position) = self.positions.pop_front() else { break };
-                    self.see(arriving(position, measured_s));
+                while self.others.front().is_some_and(|other| other.measured_s() <= measured_s) {
+                    let Some(other) = self.others.pop_front() else { break };
+                    self.see(arriving(other, measured_s));
                 }
                 let last_s = self.played.estimates.last().map_or(f64::NEG_INFINITY, |last| last.time_s);
                 // Half a millisecond of slack keeps stamps that are a little early from doubling the time between two estimates.

@@ -16,6 +16,7 @@ pub(super) enum Role {
     Image(Camera),
     CameraInfo(Camera),
     Gnss,
+    Scans,
     Truth,
 }
 
@@ -36,6 +37,7 @@ impl Role {
             Role::Image(_) => &["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
             Role::CameraInfo(_) => &["sensor_msgs/CameraInfo"],
             Role::Gnss => &["sensor_msgs/NavSatFix"],
+            Role::Scans => &["sensor_msgs/LaserScan"],
             Role::Truth => {
                 &["nav_msgs/Odometry", "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped"]
             }
@@ -50,6 +52,7 @@ impl Role {
             Role::Image(camera) => camera.device().to_owned(),
             Role::CameraInfo(camera) => format!("{} lens", camera.device()),
             Role::Gnss => "gnss".to_owned(),
+            Role::Scans => "scanner".to_owned(),
             Role::Truth => "truth".to_owned(),
         }
     }
@@ -87,6 +90,9 @@ impl Choice<'_> {
         }
         if robot.gnss.is_some() && self.keys.gnss.is_some() {
             self.choose(&mut roles, "gnss", topics.gnss.as_ref(), Role::Gnss)?;
+        }
+        if robot.scanner.is_some() {
+            self.choose(&mut roles, "scanner", topics.scanner.as_ref(), Role::Scans)?;
         }
         let cameras = robot.cameras();
         for camera in &cameras {

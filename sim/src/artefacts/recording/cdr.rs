@@ -144,6 +144,10 @@ impl<'a> Fields<'a> {
         self.number().map(i64::from_le_bytes)
     }
 
+    pub(crate) fn f32(&mut self) -> Option<f32> {
+        self.number().map(f32::from_le_bytes)
+    }
+
     pub(crate) fn f64(&mut self) -> Option<f64> {
         self.number().map(f64::from_le_bytes)
     }

@@ -3,17 +3,19 @@
 use std::f64::consts::TAU;
 
 use image::GrayImage;
-use localizer::Pose;
+use localizer::{Pose, methods::wall_ranges::Scan};
+use nalgebra::Isometry3;
 
 use super::{
     cameras::{NominalCamera, topics},
     cdr::Message,
 };
-use crate::truth::Truth;
+use crate::{scene::Scanner, truth::Truth};
 
 pub(super) const WORLD: &str = "world";
 pub(super) const ROBOT: &str = "robot";
 pub(super) const TRUE_ROBOT: &str = "true_robot";
+pub(super) const SCANNER: &str = "scanner";
 
 /// Severity of a `rcl_interfaces/Log` message.
 #[derive(Clone, Copy)]
@@ -49,17 +51,17 @@ pub(super) fn world_from_bodies(time_s: f64, bodies: &[(&str, Pose)]) -> Vec<u8>
     bodies.iter().fold(Message::new().length(bodies.len()), transform).finish()
 }
 
-/// A `tf2_msgs/TFMessage` with the nominal mounts of the cameras in the frame `robot`.
-pub(super) fn robot_from_cameras(cameras: &[NominalCamera]) -> Vec<u8> {
-    let transform = |message: Message, camera: &NominalCamera| {
-        let (place, turn) = (camera.robot_from_camera.translation.vector, camera.robot_from_camera.rotation.coords);
+/// A `tf2_msgs/TFMessage` with the nominal mounts of devices in the frame `robot`: the frame of each device and its pose.
+pub(super) fn robot_from_devices(mounts: &[(&str, Isometry3<f64>)]) -> Vec<u8> {
+    let transform = |message: Message, (frame, pose): &(&str, Isometry3<f64>)| {
+        let (place, turn) = (pose.translation.vector, pose.rotation.coords);
         message
             .header(0.0, ROBOT)
-            .text(topics(camera.name).frame)
+            .text(frame)
             .f64s(&[place.x, place.y, place.z])
             .f64s(&[turn.x, turn.y, turn.z, turn.w])
     };
-    cameras.iter().fold(Message::new().length(cameras.len()), transform).finish()
+    mounts.iter().fold(Message::new().length(mounts.len()), transform).finish()
 }
 
 /// A `sensor_msgs/Image` in grey levels.
@@ -123,6 +125,18 @@ pub(super) fn turn_rate(time_s: f64, rate_rad_per_s: f64) -> Vec<u8> {
         .f64s(&[0.0; 3])
         .f64s(&unmeasured)
         .finish()
+}
+
+/// A `sensor_msgs/LaserScan` of a range scanner with the given keys. By the definition of the message, a beam that met nothing has an infinite distance.
+pub(super) fn laser_scan(time_s: f64, scan: &Scan, scanner: &Scanner) -> Vec<u8> {
+    let n_beams = scan.distances_m.len();
+    let last_rad = scan.first_rad + scan.step_rad * n_beams.saturating_sub(1) as f64;
+    let numbers =
+        [scan.first_rad, last_rad, scan.step_rad, 0.0, scanner.period_s, 0.0, scanner.range_m + scanner.tolerance_m];
+    let distances = scan.distances_m.iter().map(|distance_m| distance_m.unwrap_or(f64::INFINITY));
+    let single = |message: Message, number: f64| message.f32(number as f32);
+    let message = numbers.into_iter().fold(Message::new().header(time_s, SCANNER), single).length(n_beams);
+    distances.fold(message, single).length(0).finish()
 }
 
 /// A `rcl_interfaces/Log` message.

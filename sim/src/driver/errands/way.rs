@@ -36,7 +36,7 @@ impl ErrandDriver {
         if is_changed {
             way = Planner::new(map, self.keep_away_m).plan(place_m, goal_m);
         }
-        // Whatever blocks the only path may move on. The robot sets out nevertheless, until the proximity sensor stops it.
+        // Whatever blocks the only path may move on. The robot sets out nevertheless, until the scanner stops it.
         if !is_changed || (way.is_none() && !self.log.has_leg()) {
             way = self.planner.plan(place_m, goal_m);
         }

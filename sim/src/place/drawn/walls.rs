@@ -45,6 +45,7 @@ impl Scene {
         let askew_deg = |(piece, turn_deg): (&Furniture, &f64)| {
             let off_deg = |deg: f64, walls_deg: &[f64]| turn_from_nearest_deg(deg, walls_deg).unwrap_or(0.0);
             let is_on_purpose = off_deg(piece.rotation_deg, &stated_deg).abs() > ON_PURPOSE_DEG;
+            let turn_deg = if piece.wall { drawn.walls_turn_deg } else { *turn_deg };
             if is_on_purpose { 0.0 } else { off_deg(piece.rotation_deg + turn_deg, &stands_deg) }
         };
         self.furniture.iter().zip(&drawn.furniture_turn_deg).map(askew_deg).collect()

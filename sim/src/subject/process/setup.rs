@@ -5,8 +5,8 @@
 use interval::Interval;
 use localizer::{
     Map, RobotModel,
-    map::{MarkerMap, PlacedMarker, TileGrid},
-    methods::gnss_positions::ReceiverModel,
+    map::{MarkerMap, PlacedMarker, TileGrid, WallMap},
+    methods::{gnss_positions::ReceiverModel, wall_ranges::ScannerModel},
     robot::{
         BodyModel, CeilingCameraModel, FloorCameraModel, FlowModel, ForwardCameraModel, GyroModel, RangeCameraModel,
         Reach, WheelModel,
@@ -23,6 +23,8 @@ impl Setup {
     pub(super) fn of(scene: &Scene) -> Setup {
         let mut robot = robot(scene.robot_model());
         robot["gnss"] = scene.robot.gnss.as_ref().map_or(Value::Null, |gnss| receiver(gnss.model(scene)));
+        robot["scanner"] =
+            scene.robot.scanner.as_ref().map_or(Value::Null, |scanner| range_scanner(scanner.model(scene)));
         robot["clock"] = json!({
             "stamp_error_s": scene.robot.delivery.stamp_tolerance_s,
             "devices": ["wheels", "gyro", "flow"],
@@ -69,13 +71,20 @@ macro_rules! object {
 }
 
 fn map(map: Map) -> Value {
-    let Map { room_m, tiles, markers, wall_directions_rad } = map;
+    let Map { room_m, tiles, markers, wall_directions_rad, walls } = map;
     json!({
         "room_m": room_m.told(),
         "tiles": tiles.map(tile_grid),
         "markers": markers.map(marker_map),
         "wall_directions_rad": wall_directions_rad.iter().map(Told::told).collect::<Value>(),
+        "walls": walls.map(wall_map),
     })
+}
+
+fn wall_map(map: WallMap) -> Value {
+    let WallMap { walls, placement_m } = map;
+    let ends_m: Vec<[[f64; 2]; 2]> = walls.into_iter().map(|wall| wall.ends_m).collect();
+    json!({ "ends_m": ends_m, "placement_m": placement_m })
 }
 
 fn tile_grid(tiles: TileGrid) -> Value {
@@ -169,6 +178,10 @@ fn range_camera_model(camera: RangeCameraModel) -> Value {
         focal_px, baseline_m, centre_px, step_px, position_m, height_m, yaw_rad, tilt_rad, height_span_m,
         stamp_error_s, latency_s, period_s, q_items, wrong_spacing
     })
+}
+
+fn range_scanner(scanner: ScannerModel) -> Value {
+    object!(scanner: ScannerModel { position_m, height_m, yaw_rad, tilt_rad, range_error_m, stamp_error_s })
 }
 
 fn receiver(receiver: ReceiverModel) -> Value {

@@ -63,7 +63,7 @@ impl Scene {
         self.localizer.wall_directions = Some(setup);
     }
 
-    /// Writes values that otherwise follow from the scene or are defaults (markers' heights, setup of wall directions) explicitly into their keys, so
+    /// Writes values that otherwise follow from the scene or are defaults (markers' heights, setups of methods) explicitly into their keys, so
     /// that they stay when a bound changes.
     fn state_defaults(&mut self) {
         let ceiling = self.clone();
@@ -71,6 +71,7 @@ impl Scene {
             markers.state_heights(&ceiling);
         }
         self.localizer.wall_directions = Some(self.localizer.wall_directions());
+        self.localizer.wall_ranges = Some(self.localizer.wall_ranges());
     }
 
     /// Widens the bounds that are not simply the value of one key of the scene.
@@ -116,6 +117,9 @@ fn each_key(scene: &mut Scene, change: &mut dyn FnMut(ToldKey<'_>)) {
     if let Some(setup) = &mut localizer.wall_directions {
         change(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg));
         change(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_ASKEW], &mut setup.askew_deg));
+    }
+    if let Some(setup) = &mut localizer.wall_ranges {
+        change(ToldKey::is(&[bounds::WALLS_PLACEMENT], &mut setup.placement_tolerance_m));
     }
     base::told_keys(robot).into_iter().for_each(&mut *change);
     each_told_key(robot, change);

@@ -3,7 +3,7 @@
 use interval::Interval;
 use localizer::{
     Map, Pose, PoseBox, RobotModel,
-    map::TileGrid,
+    map::{TileGrid, WallMap},
     robot::{BodyModel, Reach},
 };
 
@@ -26,6 +26,10 @@ impl Scene {
             tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)),
             markers: self.markers.as_ref().map(|markers| markers.map(self)),
             wall_directions_rad: self.wall_directions_rad(),
+            walls: Some(WallMap {
+                walls: self.mapped_walls(),
+                placement_m: self.localizer.wall_ranges().placement_tolerance_m,
+            }),
         }
     }
 
@@ -62,7 +66,7 @@ impl Scene {
 
     /// Intervals of x and y that hold all rooms, however their walls stand within their tolerance.
     pub(crate) fn room_hull_m(&self) -> [Interval; 2] {
-        let most_deg = if self.draws_walls() { self.localizer.wall_directions().tolerance_deg } else { 0.0 };
+        let most_deg = self.most_walls_turn_deg();
         let rooms = enclosures(self);
         if rooms.len() > 1 {
             return hull_of_turned(&rooms, self.plan().size_m.map(|extent_m| 0.5 * extent_m), most_deg.to_radians());

@@ -18,7 +18,7 @@ fn gathered(times_s: &[(i32, i64)]) -> Gathered {
         let (data, logged_ns) = (pose_message(*stamp_s), logged_s * 1_000_000_000);
         let kind = "geometry_msgs/PoseStamped";
         let message = RawMessage { topic: "/t", kind, encoding: "cdr", logged_ns, data: &data };
-        if !gathered.take(message, Role::Truth, &Manner { keys: &keys, receiver: None }) {
+        if !gathered.take(message, Role::Truth, &Manner { keys: &keys, receiver: None, scanner: None }) {
             break;
         }
     }
@@ -47,7 +47,10 @@ fn a_file_may_hold_one_topic_after_the_other() {
             let (data, logged_ns, kind) =
                 (pose_message(at_s as i32), at_s * 1_000_000_000, "geometry_msgs/PoseStamped");
             let message = RawMessage { topic, kind, encoding: "cdr", logged_ns, data: &data };
-            assert!(gathered.take(message, Role::Truth, &Manner { keys: &keys, receiver: None }), "{topic} {at_s}");
+            assert!(
+                gathered.take(message, Role::Truth, &Manner { keys: &keys, receiver: None, scanner: None }),
+                "{topic} {at_s}"
+            );
         }
     }
     assert_eq!((gathered.truth.len(), gathered.set_back), (18, None));

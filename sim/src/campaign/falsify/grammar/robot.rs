@@ -13,7 +13,7 @@ use super::tables::{meaning, number, table};
 
 /// Probability with which a robot has each of the devices that need no rendered images. The cameras are listed apart.
 const FITTED: [(&str, f64); 5] =
-    [("gyro", 0.65), ("flow", 0.5), ("range_camera", 0.55), ("point_camera", 0.4), ("proximity", 0.15)];
+    [("gyro", 0.65), ("flow", 0.5), ("range_camera", 0.55), ("point_camera", 0.4), ("scanner", 0.3)];
 
 /// Probability with which a robot has each of its three cameras, in scenes that have rendered cameras at all.
 const CAMERAS: [(&str, Camera, f64); 3] = [

@@ -61,7 +61,7 @@ const CHANCES: [(&str, f64); 47] = [
     ("robot.point_camera", 1.0),
     ("robot.gyro", 1.0),
     ("robot.flow", 1.0),
-    ("robot.proximity", 0.5),
+    ("robot.scanner", 0.5),
     // Worn wheels are rare: a wheel worn beyond its tolerance exceeds a declared bound from the first second on, so that the run shows nothing more.
     ("robot.base.wheel_wear", 0.02),
     ("floor.tiles.misplaced", 0.03),

@@ -1,0 +1,263 @@
+//! `wall_ranges`: a method that bounds the pose by the distances that a planar range scanner measures, and by the walls on the map.
+//!
+//! **Constraint.** A beam leaves the scanner at e = t + R(θ) s and ends at p = e + r·(cos α, sin α) with α = θ + ψ + β. Here t and θ are the
+//! robot's position and heading, s and ψ the place and the direction of the scanner on the robot, β the beam's bearing from the scanner's forward
+//! axis, and r the distance that it measures. All of them but β are known within declared bounds. Of each beam that meets something, two things
+//! may be known:
+//!
+//! 1. *No beam passes through a wall.* Whatever a beam meets, be it furniture or a person, no wall of the map stands between e and p. So this
+//!    holds for every beam, needs no count of outliers, and bounds the position from both sides wherever the scanner sees two opposite walls.
+//! 2. *Most beams end at walls.* Where a share of beams that may end elsewhere is declared, p lies on the front of a mapped wall for all other
+//!    beams, whichever they are (a q-relaxed intersection).
+//!
+//! A beam that meets nothing within the scanner's range says nothing, since glass and dark surfaces send nothing back.
+//!
+//! **Source.** R. Guyonneau et al., "Guaranteed interval analysis localization for mobile robots", Advanced Robotics 28 (2014), locate a robot
+//! by q-relaxed scans on a grid map. Here walls are line segments, and the first constraint is added, which no furniture can break.
+
+mod beams;
+mod face;
+
+use std::sync::Arc;
+
+use interval::{Interval, IntervalBox, contractor::Contractor, contractor::Outcome, contractor::settle, paving};
+
+use crate::{
+    PoseBox, Reading,
+    bounds::{self, Assumption},
+    map::WallMap,
+    method::{Claim, Constraint, Context, Method},
+    quota::{Quota, share_of},
+    robot::RobotModel,
+};
+
+use beams::{Beam, Beams};
+use face::Face;
+
+/// Name of the planar range scanner as a device whose readings the method uses.
+pub const DEVICE: &str = "scanner";
+
+/// Declared bounds that every constraint from a scan relies on.
+const RELIES_ON: [Assumption; 9] = [
+    bounds::SCANNER_RANGE,
+    bounds::SCANNER_POSITION,
+    bounds::SCANNER_YAW,
+    bounds::SCANNER_TILT,
+    bounds::SCANNER_STAMP,
+    bounds::WALLS_PLACEMENT,
+    bounds::BODY_TILT,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
+];
+
+/// Greatest number of beams of one scan that are used. Of a scan with more, only every second, third and so on is: neighbouring beams of a fine
+/// scan end at the same wall and say nearly the same, and computing time grows with their number.
+const MOST_BEAMS: usize = 120;
+
+/// Least time between two scans that are used: scans that are closer in time say nearly the same about the pose.
+const APART_S: f64 = 0.18;
+
+/// Planar range scanner as the localizer knows it, by declared values. Its beams leave in one plane, which is level where nothing leans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScannerModel {
+    /// Position of the scanner in the robot frame: forward and left (bound `scanner.position`).
+    pub position_m: [Interval; 2],
+    /// Height of the scanner above the floor.
+    pub height_m: f64,
+    /// Direction of the scanner's forward axis from robot forward, counter-clockwise (bound `scanner.yaw`).
+    pub yaw_rad: Interval,
+    /// Greatest angle between the scanner's plane and the body's level plane (bound `scanner.tilt`).
+    pub tilt_rad: f64,
+    /// Greatest error of a measured distance (bound `scanner.range`).
+    pub range_error_m: f64,
+    /// Greatest error of a scan's stamp (bound `scanner.stamp`).
+    pub stamp_error_s: f64,
+}
+
+/// What a planar range scanner reports: distances along beams at equal angles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    /// Bearing of the first beam from the scanner's forward axis, counter-clockwise.
+    pub first_rad: f64,
+    /// Angle from one beam to the next, counter-clockwise.
+    pub step_rad: f64,
+    /// Distance that each beam measured; `None` for a beam that met nothing.
+    pub distances_m: Vec<Option<f64>>,
+}
+
+impl Scan {
+    /// Numbers that encode the scan in a [`Reading::Other`]: the first bearing, the step, and the distances, with −1 for a beam that met nothing.
+    pub fn numbers(&self) -> Vec<f64> {
+        let distances_m = self.distances_m.iter().map(|distance_m| distance_m.unwrap_or(-1.0));
+        [self.first_rad, self.step_rad].into_iter().chain(distances_m).collect()
+    }
+
+    /// Scan that the numbers of a reading encode; `None` if they encode none.
+    pub fn of(numbers: &[f64]) -> Option<Scan> {
+        let (&[first_rad, step_rad], distances_m) = numbers.split_first_chunk()?;
+        let is_told = numbers.iter().all(|number| number.is_finite());
+        let distances_m = distances_m.iter().map(|&distance_m| (distance_m >= 0.0).then_some(distance_m)).collect();
+        is_told.then_some(Scan { first_rad, step_rad, distances_m })
+    }
+
+    /// The beams that met something: bearing from the scanner's forward axis, and distance.
+    pub fn echoes(&self) -> impl Iterator<Item = (f64, f64)> {
+        let bearing_rad = |index: usize| self.first_rad + index as f64 * self.step_rad;
+        self.distances_m.iter().enumerate().filter_map(move |(index, at_m)| Some((bearing_rad(index), (*at_m)?)))
+    }
+}
+
+/// Method that bounds the pose by the scans of a planar range scanner; the module's page says how.
+#[derive(Clone, Debug)]
+pub struct WallRanges {
+    scanner: ScannerModel,
+    faces: Arc<[Face]>,
+    placement_m: f64,
+    /// Greatest share of the beams that meet something which may end elsewhere than at a mapped wall; `None` where no share is declared.
+    wrong_share: Option<f64>,
+    robot: RobotModel,
+    /// Stamp of the scan that was used last.
+    used_s: f64,
+}
+
+impl WallRanges {
+    /// Makes the method for a scanner on a robot among the walls of a map. Of the beams of a scan that meet something, at most the share
+    /// `wrong_share` ends elsewhere than at one of these walls; `None` if nothing is known of that share, so that only the rule is used that no beam
+    /// passes through a wall.
+    pub fn new(scanner: ScannerModel, walls: &WallMap, wrong_share: Option<f64>, robot: &RobotModel) -> Self {
+        WallRanges {
+            scanner,
+            faces: walls.walls.iter().filter_map(Face::of).collect(),
+            placement_m: walls.placement_m,
+            wrong_share,
+            robot: robot.clone(),
+            used_s: f64::NEG_INFINITY,
+        }
+    }
+
+    /// The beams of a scan as the contractor uses them.
+    fn beams(&self, echoes: &[(f64, f64)]) -> Beams {
+        let (scanner, reach) = (&self.scanner, &self.robot.reach);
+        let point = Interval::point;
+        // A body that leans by φ moves the scanner, at the height h, by up to h·sin φ to any side, and foreshortens its lever arm s by up to
+        // |s|·(1 − cos φ). A plane of beams that leans by φ foreshortens a beam by up to r·(1 − cos φ), seen from above.
+        let lever = scanner.position_m.iter().fold(Interval::ZERO, |sum, side| sum + point(side.magnitude()));
+        let shortened = |tilt_rad: f64| point(1.0) - Interval::new(0.0, tilt_rad).cos();
+        let body_rad = self.robot.body.tilt_rad;
+        let leans = point(scanner.height_m) * Interval::new(0.0, body_rad).sin() + lever * shortened(body_rad);
+        // Within the error of the stamp the robot moves and turns.
+        let error_s = point(scanner.stamp_error_s);
+        let turned = error_s * point(reach.turn_rate_rad_per_s);
+        let moved = error_s * point(reach.speed_m_per_s) + lever * turned;
+        let eye_shift_m = (leans + moved).hi();
+        let by_metre = shortened(body_rad + scanner.tilt_rad) + turned;
+        let beam = |&(bearing_rad, distance_m): &(f64, f64)| {
+            let along = Interval::centred(distance_m, scanner.range_error_m).max(Interval::ZERO);
+            Beam {
+                bearing: scanner.yaw_rad + point(bearing_rad),
+                distance: along,
+                shift_m: (point(eye_shift_m) + point(along.hi()) * by_metre).hi(),
+            }
+        };
+        Beams {
+            faces: self.faces.clone(),
+            placement_m: self.placement_m,
+            mount: scanner.position_m,
+            eye_shift_m,
+            beams: echoes.iter().map(beam).collect(),
+            most_wrong: self.wrong_share.map(|share| share_of(share, echoes.len())),
+        }
+    }
+}
+
+impl Method for WallRanges {
+    fn name(&self) -> &'static str {
+        "wall_ranges"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Other { device, .. } if device == DEVICE)
+    }
+
+    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
+        let Reading::Other { measured_s, numbers, .. } = reading else { return None };
+        let echoes: Vec<(f64, f64)> = Scan::of(numbers)?.echoes().collect();
+        // A new drive may begin with an earlier stamp.
+        if (measured_s - self.used_s).abs() < APART_S || echoes.is_empty() || self.faces.is_empty() {
+            return None;
+        }
+        self.used_s = *measured_s;
+        let used: Vec<(f64, f64)> = echoes.iter().copied().step_by(echoes.len().div_ceil(MOST_BEAMS)).collect();
+        let beams = self.beams(&used);
+        // Only where a share of wrong beams is declared does the constraint rest on what a beam has met.
+        let claim = |&(bearing_rad, distance_m): &(f64, f64)| Claim::WallPoint {
+            bearing_rad,
+            distance_m,
+            within_m: self.placement_m + self.scanner.range_error_m,
+        };
+        let claims = if beams.most_wrong.is_some() { used.iter().map(claim).collect() } else { Vec::new() };
+        Some(Constraint {
+            relies_on: RELIES_ON.to_vec(),
+            claims,
+            quota: Quota::of_each(beams.most_wrong.unwrap_or(0)),
+            ..Constraint::new(self.name(), *measured_s, ByScan(beams))
+        })
+    }
+}
+
+/// Width in metres and radians up to which a box of poses is contracted as a whole. A wider one is cut into parts.
+const WIDEST: f64 = 0.25;
+/// Greatest number of parts of a wide box that are contracted.
+const MOST_PARTS: usize = 400;
+/// Width of a heading interval up to which a beam's end is linearised in the heading at once.
+const WIDEST_HEADING_RAD: f64 = 0.06;
+
+/// Contractor by all beams of a scan.
+struct ByScan(Beams);
+
+impl ByScan {
+    /// Contracts a box by slices of its heading.
+    fn contracted(&self, domain: &PoseBox) -> PoseBox {
+        if domain.is_empty() || domain.width(2) <= WIDEST_HEADING_RAD {
+            return self.0.contracted(domain);
+        }
+        let (left, right) = domain.bisect(2);
+        self.contracted(&left).hull(&self.contracted(&right))
+    }
+}
+
+/// Cause of an empty box.
+const CAUSE: &str = "a beam would pass through a wall, or too few beams would end at walls";
+
+/// The contractor on a box that is not too wide, for the paving of wide ones.
+struct Narrow<'a>(&'a ByScan);
+
+impl Contractor<3> for Narrow<'_> {
+    fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
+        // Of a box that is wider than the room, or of any heading, no beam's end is known well enough to say anything.
+        let is_worth_trying = domain.width(2) <= 4.0 * WIDEST;
+        let left = if is_worth_trying { self.0.contracted(domain) } else { *domain };
+        settle(domain, left, CAUSE)
+    }
+}
+
+impl Contractor<3> for ByScan {
+    fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
+        let left = paving::hull(&self.branches(domain));
+        settle(domain, left, CAUSE)
+    }
+
+    fn branches(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
+        if domain.is_empty() || !domain.iter().all(|side| side.is_bounded()) {
+            return if domain.is_empty() { Vec::new() } else { vec![*domain] };
+        }
+        if domain.max_width() <= WIDEST {
+            let left = self.contracted(domain);
+            return if left.is_empty() { Vec::new() } else { vec![left] };
+        }
+        paving::cover_at_most(&Narrow(self), *domain, &[0, 1, 2], WIDEST, MOST_PARTS)
+    }
+}
+
+#[cfg(test)]
+mod trial;
