@@ -41,8 +41,8 @@ pub struct WallMap {
     pub placement_m: f64,
 }
 
-/// The front of a straight upright wall from the floor to the ceiling, through which nothing is seen. Its front is to the left of the way from its start to its
-/// end; a wall that stands free in a room is on the map once for each of its sides.
+/// The front of a straight upright wall from the floor to the ceiling, through which nothing is seen. Its front is to the left of the way from its
+/// start to its end; a wall that stands free in a room is on the map once for each of its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
     /// Start and end of the wall on the floor plan, each as world x and y.

@@ -436,7 +436,8 @@ fn a_chunk_with_false_lengths_ends_no_program() {
     let path = folder("log_lengths").join("changed.mcap");
     for name in ["wheels_mcap", "wheels_mcap_chunk_zstd"] {
         let whole = fs::read(logs().join(name).join(format!("{name}.mcap"))).unwrap();
-        // Behind the chunk's header stand the records' lengths, of eight bytes each: one of the first is replaced by the greatest number that there is.
+        // Behind the chunk's header stand the records' lengths, of eight bytes each: one of the first is replaced by the greatest number that there
+        // is.
         for place in (0..400).chain((400..whole.len() - 8).step_by(rounds(2999, 251))) {
             let mut changed = whole.clone();
             changed[place..place + 8].fill(0xff);

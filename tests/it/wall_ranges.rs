@@ -7,20 +7,22 @@ use localizer::{
 };
 use serde_json::{Value, json};
 use sim::{
+    artefacts::log::replay_log,
     devices::{
         Sensor,
         scanner::{DrawnScanner, ScannerSensor},
     },
     judge::{Verdict, is_true, watched},
+    loading::SceneFile,
     run::{RunOptions, RunRecord, run},
     scene::{Distribution, Scene},
-    subject::IntervalLocalizer,
+    subject::{IntervalLocalizer, SubjectChoice},
     truth::Truth,
     world::Drawn,
 };
 
 use crate::{
-    command::rounds,
+    command::{folder_of, outcome, rounds, wherein},
     judging::verdict_of,
     world_setup::{nominal, scene},
 };
@@ -30,6 +32,7 @@ use crate::{
 fn furnished(changes: &[(&str, Value)]) -> Scene {
     let mut keys = json!({
         "duration_s": 20.0,
+        "bounds_from": "laboratory",
         "room": { "width_m": 6.0, "depth_m": 4.0 },
         "floor": { "friction": 0.8 },
         "start": { "x_m": 1.0, "y_m": 1.0, "heading_deg": 0.0, "tolerance_m": 0.02, "tolerance_deg": 1.0 },
@@ -72,8 +75,8 @@ fn beams_leave_from_the_mount_and_lean_with_the_body() {
         } },
     });
     let scene = scene(keys);
-    // In a room of 8 m by 6 m the robot stands at (2, 3) and faces y; its scanner is 0.2 m ahead, 0.1 m to the left, and turned by 90° to the left, so
-    // that it looks along −x from (1.9, 3.2): the beam to its right goes along y, the one to its left along −y.
+    // In a room of 8 m by 6 m the robot stands at (2, 3) and faces y; its scanner is 0.2 m ahead, 0.1 m to the left, and turned by 90° to the left,
+    // so that it looks along −x from (1.9, 3.2): the beam to its right goes along y, the one to its left along −y.
     let mount = DrawnScanner { position_m: [0.2, 0.1], yaw_rad: std::f64::consts::FRAC_PI_2, tilt_rad: [0.0; 2] };
     let pose = Pose { x_m: 2.0, y_m: 3.0, heading_rad: std::f64::consts::FRAC_PI_2 };
     let distances = |truth: Truth, mount: DrawnScanner| -> Vec<f64> {
@@ -110,10 +113,24 @@ fn drives_among_walls_furniture_and_a_person_keep_the_truth_at_every_distributio
                 let late = record.estimates.iter().filter(|estimate| estimate.time_s > 1.0);
                 late.map(|estimate| estimate.pose.hull().width(axis)).fold(0.0, f64::max)
             };
-            // Of a scan, ± 1 cm of the distance, ± 1 cm of the walls and ± 4 mm of the stamp at the greatest turn rate are not known; the heading is not
-            // read by any other sensor.
+            // Of a scan, ± 1 cm of the distance, ± 1 cm of the walls and ± 4 mm of the stamp at the greatest turn rate are not known; the heading is
+            // not read by any other sensor.
             assert!(widths(0) < 0.12 && widths(1) < 0.12, "{errors:?}, seed {seed}: {} {}", widths(0), widths(1));
             assert!(widths(2).to_degrees() < 3.0, "{errors:?}, seed {seed}: {}", widths(2).to_degrees());
+        }
+    }
+}
+
+#[test]
+fn drives_keep_the_truth_with_bounds_that_a_person_can_know() {
+    for seed in 0..rounds(2, 20) as u64 {
+        for errors in [Distribution::Uniform, Distribution::Drift] {
+            let mut scene = furnished(&[("/bounds_from", json!("careful_user_throughout"))]);
+            scene.robot.errors = errors;
+            let (record, verdict) = judged(&scene, seed);
+            assert!(holds_the_truth(&verdict), "{errors:?}, seed {seed}: {:?}", verdict.containment);
+            let hull = record.estimates.last().unwrap().pose.hull();
+            assert!(hull.width(0) < 0.3 && hull.width(1) < 0.3, "{errors:?}, seed {seed}: {hull:?}");
         }
     }
 }
@@ -198,4 +215,48 @@ fn the_true_mount_differs_from_the_nominal_one_within_its_bounds() {
         assert!(most <= bound * (1.0 + 1e-6) && most > 0.8 * bound, "{most} {bound}");
     }
     assert_eq!(nominal(&scene).start, scene.nominal_start());
+}
+
+#[test]
+fn scans_of_a_recording_for_ros_are_read_back_as_those_of_another_robots_log() {
+    let robot = r#"
+room = { width_m = 6.0, depth_m = 4.0 }
+start = { x_m = 1.0, y_m = 1.0, heading_deg = 0.0, tolerance_m = 0.02, tolerance_deg = 1.0 }
+duration_s = 4.0
+route = { waypoint = [{ x_m = 3.0, y_m = 1.5 }] }
+
+[floor]
+
+[robot]
+floor_camera = false
+gyro = true
+
+[robot.scanner]
+forward_m = 0.1
+left_m = -0.05
+yaw_deg = 20.0
+field_deg = 270.0
+beams = 91
+range_m = 4.0
+
+[localizer]
+methods = ["wall_ranges"]
+"#;
+    let log = r#"
+[log]
+joints = { left = "left_wheel", right = "right_wheel" }
+truth = { topic = "/truth", tolerance_m = 0.0001, tolerance_deg = 0.01 }
+"#;
+    let folder = folder_of("scans_for_ros", &[("drive.toml", robot), ("robot.toml", &format!("{robot}{log}"))]);
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "drive.toml", "--ros2", "--out", "out"]));
+    assert_eq!(code, 0, "{stderr}");
+    let robot = SceneFile::load(&folder.join("robot.toml")).unwrap();
+    let bag = folder.join("out/drive/0/rosbag2");
+    let replay = replay_log(&robot, &bag, &SubjectChoice::default()).unwrap();
+    let containment = &replay.summary["containment"];
+    assert!(containment["checks"].as_u64().unwrap() > 30, "{containment}");
+    assert_eq!(containment["checks"], containment["contained"], "{}", replay.text);
+    // Every 50 ms a scan arrives, of which those at least 0.18 s after the last used one are used.
+    let used = replay.summary["methods"]["wall_ranges"]["constraints"].as_u64().unwrap();
+    assert!((19..=21).contains(&used), "{used}");
 }

@@ -50,9 +50,9 @@ const RELIES_ON: [Assumption; 9] = [
     bounds::REACH_TURN_RATE,
 ];
 
-/// Greatest number of beams of one scan that are used. Of a scan with more, only every second, third and so on is: neighbouring beams of a fine
-/// scan end at the same wall and say nearly the same, and computing time grows with their number.
-const MOST_BEAMS: usize = 120;
+/// Greatest number of beams of one scan that are used where no share of wrong beams is declared. Of a scan with more, only every second, third and so
+/// on is: neighbouring beams of a fine scan end at the same wall and say nearly the same, and computing time grows with their number.
+const MOST_BEAMS: usize = 200;
 
 /// Least time between two scans that are used: scans that are closer in time say nearly the same about the pose.
 const APART_S: f64 = 0.18;
@@ -135,37 +135,45 @@ impl WallRanges {
         }
     }
 
-    /// The beams of a scan as the contractor uses them.
-    fn beams(&self, echoes: &[(f64, f64)]) -> Beams {
+    /// The contractor by the beams of a scan, each with its bearing and its distance.
+    fn by_scan(&self, echoes: &[(f64, f64)]) -> ByScan {
         let (scanner, reach) = (&self.scanner, &self.robot.reach);
         let point = Interval::point;
-        // A body that leans by φ moves the scanner, at the height h, by up to h·sin φ to any side, and foreshortens its lever arm s by up to
-        // |s|·(1 − cos φ). A plane of beams that leans by φ foreshortens a beam by up to r·(1 − cos φ), seen from above.
-        let lever = scanner.position_m.iter().fold(Interval::ZERO, |sum, side| sum + point(side.magnitude()));
         let shortened = |tilt_rad: f64| point(1.0) - Interval::new(0.0, tilt_rad).cos();
+        let mount_m = scanner.position_m.map(Interval::mid);
+        let nominal_rad = scanner.yaw_rad.mid();
+        // The true direction of the scanner's axis differs from the nominal one by the error of its mount, and by what the robot turns within the
+        // error of the stamp.
+        let error_s = point(scanner.stamp_error_s);
+        let turned =
+            point((scanner.yaw_rad - point(nominal_rad)).magnitude()) + error_s * point(reach.turn_rate_rad_per_s);
+        // The true place of the scanner differs from the nominal one by the error of its mount; by the lean φ of the body, which moves it, at the
+        // height h, by up to h·sin φ to any side and foreshortens its lever arm s by up to |s|·(1 − cos φ); by the way within the error of the stamp;
+        // and because the nominal lever arm is turned with the scanner.
+        let lever = mount_m.iter().fold(Interval::ZERO, |sum, side_m| sum + point(side_m.abs()));
+        let mounted = [0, 1].map(|axis| (scanner.position_m[axis] - point(mount_m[axis])).magnitude());
         let body_rad = self.robot.body.tilt_rad;
         let leans = point(scanner.height_m) * Interval::new(0.0, body_rad).sin() + lever * shortened(body_rad);
-        // Within the error of the stamp the robot moves and turns.
-        let error_s = point(scanner.stamp_error_s);
-        let turned = error_s * point(reach.turn_rate_rad_per_s);
-        let moved = error_s * point(reach.speed_m_per_s) + lever * turned;
-        let eye_shift_m = (leans + moved).hi();
-        let by_metre = shortened(body_rad + scanner.tilt_rad) + turned;
+        let moved =
+            point(mounted[0]).hypot(point(mounted[1])) + leans + error_s * point(reach.speed_m_per_s) + lever * turned;
+        let by_metre = shortened(body_rad + scanner.tilt_rad);
         let beam = |&(bearing_rad, distance_m): &(f64, f64)| {
-            let along = Interval::centred(distance_m, scanner.range_error_m).max(Interval::ZERO);
+            let distance = Interval::centred(distance_m, scanner.range_error_m).max(Interval::ZERO);
             Beam {
-                bearing: scanner.yaw_rad + point(bearing_rad),
-                distance: along,
-                shift_m: (point(eye_shift_m) + point(along.hi()) * by_metre).hi(),
+                bearing: point(bearing_rad) + point(nominal_rad),
+                distance,
+                shortened_m: (point(distance.hi()) * by_metre).hi(),
             }
         };
-        Beams {
-            faces: self.faces.clone(),
-            placement_m: self.placement_m,
-            mount: scanner.position_m,
-            eye_shift_m,
-            beams: echoes.iter().map(beam).collect(),
-            most_wrong: self.wrong_share.map(|share| share_of(share, echoes.len())),
+        ByScan {
+            beams: Beams {
+                faces: self.faces.clone(),
+                placement_m: self.placement_m,
+                mount_m,
+                beams: echoes.iter().map(beam).collect(),
+                most_wrong: self.wrong_share.map(|share| share_of(share, echoes.len())),
+            },
+            off: [moved.hi(), moved.hi(), turned.hi()],
         }
     }
 }
@@ -187,20 +195,23 @@ impl Method for WallRanges {
             return None;
         }
         self.used_s = *measured_s;
-        let used: Vec<(f64, f64)> = echoes.iter().copied().step_by(echoes.len().div_ceil(MOST_BEAMS)).collect();
-        let beams = self.beams(&used);
+        // A declared share of wrong beams is one of all beams of a scan; among some of them the share may be greater.
+        let each = if self.wrong_share.is_some() { 1 } else { echoes.len().div_ceil(MOST_BEAMS) };
+        let used: Vec<(f64, f64)> = echoes.iter().copied().step_by(each).collect();
+        let by_scan = self.by_scan(&used);
+        let most_wrong = by_scan.beams.most_wrong;
         // Only where a share of wrong beams is declared does the constraint rest on what a beam has met.
         let claim = |&(bearing_rad, distance_m): &(f64, f64)| Claim::WallPoint {
             bearing_rad,
             distance_m,
             within_m: self.placement_m + self.scanner.range_error_m,
         };
-        let claims = if beams.most_wrong.is_some() { used.iter().map(claim).collect() } else { Vec::new() };
+        let claims = if most_wrong.is_some() { used.iter().map(claim).collect() } else { Vec::new() };
         Some(Constraint {
             relies_on: RELIES_ON.to_vec(),
             claims,
-            quota: Quota::of_each(beams.most_wrong.unwrap_or(0)),
-            ..Constraint::new(self.name(), *measured_s, ByScan(beams))
+            quota: Quota::of_each(most_wrong.unwrap_or(0)),
+            ..Constraint::new(self.name(), *measured_s, by_scan)
         })
     }
 }
@@ -213,16 +224,30 @@ const MOST_PARTS: usize = 400;
 const WIDEST_HEADING_RAD: f64 = 0.06;
 
 /// Contractor by all beams of a scan.
-struct ByScan(Beams);
+///
+/// What displaces all beams of a scan in common, such as the error of the scanner's mount, is the same as another pose of the robot. So the beams
+/// contract the box of the poses that the robot would have with the nominal mount, and each pose of the robot is within `off` of one of these.
+struct ByScan {
+    beams: Beams,
+    /// Greatest difference of x, y and heading between the robot's pose and the pose that the robot would have with the nominal mount.
+    off: [f64; 3],
+}
 
 impl ByScan {
+    /// A box with every pose that is within the common errors of a pose of the given box.
+    fn widened(&self, domain: &PoseBox) -> PoseBox {
+        IntervalBox::new([0, 1, 2].map(|axis| domain[axis].inflate(self.off[axis])))
+    }
+}
+
+impl Beams {
     /// Contracts a box by slices of its heading.
-    fn contracted(&self, domain: &PoseBox) -> PoseBox {
+    fn contracted_by_slices(&self, domain: &PoseBox) -> PoseBox {
         if domain.is_empty() || domain.width(2) <= WIDEST_HEADING_RAD {
-            return self.0.contracted(domain);
+            return self.contracted(domain);
         }
         let (left, right) = domain.bisect(2);
-        self.contracted(&left).hull(&self.contracted(&right))
+        self.contracted_by_slices(&left).hull(&self.contracted_by_slices(&right))
     }
 }
 
@@ -230,13 +255,13 @@ impl ByScan {
 const CAUSE: &str = "a beam would pass through a wall, or too few beams would end at walls";
 
 /// The contractor on a box that is not too wide, for the paving of wide ones.
-struct Narrow<'a>(&'a ByScan);
+struct Narrow<'a>(&'a Beams);
 
 impl Contractor<3> for Narrow<'_> {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
         // Of a box that is wider than the room, or of any heading, no beam's end is known well enough to say anything.
         let is_worth_trying = domain.width(2) <= 4.0 * WIDEST;
-        let left = if is_worth_trying { self.0.contracted(domain) } else { *domain };
+        let left = if is_worth_trying { self.0.contracted_by_slices(domain) } else { *domain };
         settle(domain, left, CAUSE)
     }
 }
@@ -251,11 +276,14 @@ impl Contractor<3> for ByScan {
         if domain.is_empty() || !domain.iter().all(|side| side.is_bounded()) {
             return if domain.is_empty() { Vec::new() } else { vec![*domain] };
         }
-        if domain.max_width() <= WIDEST {
-            let left = self.contracted(domain);
-            return if left.is_empty() { Vec::new() } else { vec![left] };
-        }
-        paving::cover_at_most(&Narrow(self), *domain, &[0, 1, 2], WIDEST, MOST_PARTS)
+        let nominal = self.widened(domain);
+        let parts = if domain.max_width() <= WIDEST {
+            vec![self.beams.contracted_by_slices(&nominal)]
+        } else {
+            paving::cover_at_most(&Narrow(&self.beams), nominal, &[0, 1, 2], WIDEST, MOST_PARTS)
+        };
+        let back = |part: &PoseBox| self.widened(part).intersect(domain);
+        parts.iter().filter(|part| !part.is_empty()).map(back).filter(|part| !part.is_empty()).collect()
     }
 }
 

@@ -101,8 +101,8 @@ impl Device for Scanner {
 }
 
 impl Scanner {
-    /// The model of the scanner that the localizer is given. Stamps are those of the scanner's own clock; where the base has another clock, the bound on
-    /// their error grows by the bound on that clock.
+    /// The model of the scanner that the localizer is given. Stamps are those of the scanner's own clock; where the base has another clock, the bound
+    /// on their error grows by the bound on that clock.
     pub(crate) fn model(&self, scene: &Scene) -> ScannerModel {
         let around = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
         let angle_rad = self.angle_tolerance_deg.to_radians();

@@ -51,7 +51,8 @@ impl Obstacles {
         !self.boxes.iter().any(piece) && !people.iter().any(person)
     }
 
-    /// Distance from a sensor to the nearest surface along a direction that is nearly level, given as a unit vector; `None` if it is beyond `range_m`.
+    /// Distance from a sensor to the nearest surface along a direction that is nearly level, given as a unit vector; `None` if it is beyond
+    /// `range_m`.
     pub(crate) fn nearest_m(
         &self,
         eye: Point3<f64>,

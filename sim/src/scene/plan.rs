@@ -56,8 +56,8 @@ impl Scene {
         Plan { size_m: [self.room.width_m, self.room.depth_m], turn_rad: self.building.turned_rad }
     }
 
-    /// Turns all walls, with the doors, pictures and windows in them, and the pieces of furniture that are walls. Other things that stand on the floor,
-    /// lie in the floor or are under the ceiling stay in place.
+    /// Turns all walls, with the doors, pictures and windows in them, and the pieces of furniture that are walls. Other things that stand on the
+    /// floor, lie in the floor or are under the ceiling stay in place.
     pub(crate) fn turn_walls(&mut self, turn_deg: f64) {
         self.building.turned_rad = turn_deg.to_radians();
         let plan = self.plan();
@@ -81,8 +81,8 @@ impl Scene {
         }
     }
 
-    /// Every position at which the scene puts the robot: start, waypoints, goals of errands and stations, each with the tolerance within which the true
-    /// position is drawn at random along x and along y.
+    /// Every position at which the scene puts the robot: start, waypoints, goals of errands and stations, each with the tolerance within which the
+    /// true position is drawn at random along x and along y.
     pub(crate) fn places(&self) -> Vec<([f64; 2], f64)> {
         let ways = self.route.iter().flat_map(|route| &route.waypoints).map(|at| ([at.x_m, at.y_m], 0.0));
         let goals = self.errands.iter().map(|errand| ([errand.x_m, errand.y_m], 0.0));

@@ -29,8 +29,8 @@ pub struct Furniture {
     /// unforeseen in the robot's way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mapped: Option<bool>,
-    /// Whether the piece of furniture is a wall of the building, such as a partition: it stands as the building does, is never askew by itself, and is on
-    /// the localizer's map.
+    /// Whether the piece of furniture is a wall of the building, such as a partition: it stands as the building does, is never askew by itself, and
+    /// is on the localizer's map.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub wall: bool,
     /// Share of the light that the piece of furniture throws back, as a matt surface.

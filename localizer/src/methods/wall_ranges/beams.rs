@@ -15,30 +15,28 @@ use super::face::{Face, dot};
 /// A beam that met something.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beam {
-    /// Direction of the beam from robot forward, counter-clockwise.
+    /// Direction of the beam from robot forward, counter-clockwise, by the nominal mount.
     pub(super) bearing: Interval,
     /// True distance from the scanner to what the beam met.
     pub(super) distance: Interval,
-    /// Greatest distance, seen from above, by which lean and stamp displace the beam's end.
-    pub(super) shift_m: f64,
+    /// Greatest distance, seen from above, by which the lean of the beam shortens it.
+    pub(super) shortened_m: f64,
 }
 
-/// The beams of one scan among the walls of a map.
+/// The beams of one scan among the walls of a map, as seen from the nominal mount of the scanner on the robot.
 pub(super) struct Beams {
     pub(super) faces: Arc<[Face]>,
     /// Greatest distance of any point of a wall from its place on the map.
     pub(super) placement_m: f64,
-    /// Position of the scanner in the robot frame.
-    pub(super) mount: [Interval; 2],
-    /// Greatest distance, seen from above, by which lean and stamp displace the scanner.
-    pub(super) eye_shift_m: f64,
+    /// Nominal position of the scanner in the robot frame.
+    pub(super) mount_m: [f64; 2],
     pub(super) beams: Vec<Beam>,
     /// Greatest number of the beams that may end elsewhere than at a mapped wall; `None` where it is not known.
     pub(super) most_wrong: Option<usize>,
 }
 
-/// A point that moves with the robot, as seen in a box of poses: less the robot's position, it is `middle` at the middle heading, and changes with the
-/// heading by `slope`.
+/// A point that moves with the robot, as seen in a box of poses: less the robot's position, it is `middle` at the middle heading, and changes with
+/// the heading by `slope`.
 #[derive(Clone, Copy)]
 struct Lever {
     middle: [Interval; 2],
@@ -147,8 +145,8 @@ impl Beams {
         (face.offset - Interval::point(self.placement_m)).lo()
     }
 
-    /// Whether a wall bounds the poses of a box by the beam that ends at `end`: the scanner is certainly in front of it, the whole beam beside no end of
-    /// it, and at some pose the beam would end behind it.
+    /// Whether a wall bounds the poses of a box by the beam that ends at `end`: the scanner is certainly in front of it, the whole beam beside no end
+    /// of it, and at some pose the beam would end behind it.
     ///
     /// A beam that reached behind the wall's line would then have passed through the wall. Each point of the true wall is within the placement of its
     /// place on the map.
@@ -185,12 +183,13 @@ impl Beams {
 
     /// The scanner as a point that moves with the robot.
     fn eye(&self, heading: Interval, middle: Interval) -> Lever {
+        let [forward, left] = self.mount_m.map(Interval::point);
         let turned = |heading: Interval| {
             let (sin, cos) = (heading.sin(), heading.cos());
-            [cos * self.mount[0] - sin * self.mount[1], sin * self.mount[0] + cos * self.mount[1]]
+            [cos * forward - sin * left, sin * forward + cos * left]
         };
         let over = turned(heading);
-        Lever { middle: turned(middle), slope: [-over[1], over[0]], shift: around(self.eye_shift_m) }
+        Lever { middle: turned(middle), slope: [-over[1], over[0]], shift: Interval::ZERO }
     }
 
     /// The ends of the beams as points that move with the robot.
@@ -204,7 +203,7 @@ impl Beams {
             Lever {
                 middle: [0, 1].map(|axis| eye.middle[axis] + at_middle[axis]),
                 slope: [eye.slope[0] - over[1], eye.slope[1] + over[0]],
-                shift: around(beam.shift_m),
+                shift: around(beam.shortened_m),
             }
         };
         self.beams.iter().map(end).collect()

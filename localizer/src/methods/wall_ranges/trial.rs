@@ -100,8 +100,8 @@ impl Trial {
             range_error_m: draw.size(1e-6, 0.05),
             stamp_error_s: draw.size(1e-6, 0.002),
         };
-        // The true scan: seen from above, a lean by φ about an axis moves the scanner by its height times sin φ across that axis, and shortens what is
-        // across it by cos φ.
+        // The true scan: seen from above, a lean by φ about an axis moves the scanner by its height times sin φ across that axis, and shortens what
+        // is across it by cos φ.
         let true_mount = mount.map(|side| draw.within(side));
         let true_yaw_rad = draw.within(yaw);
         let lean_rad = body_rad;

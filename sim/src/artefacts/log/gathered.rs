@@ -272,8 +272,8 @@ const LEAST_OFF: usize = 5;
 /// stamps.
 fn clock_step(ahead: &[[i64; 2]], tolerance_ns: i64, lasting_ns: i64) -> Option<ClockStep> {
     let is_off = |&[_, ahead_ns]: &[i64; 2]| ahead_ns.saturating_abs() > tolerance_ns;
-    // Stamps that are off for so long by ever more, or by ever less, are by a clock that stands or goes at another rate. Single false stamps that follow
-    // each other are off by now more and now less.
+    // Stamps that are off for so long by ever more, or by ever less, are by a clock that stands or goes at another rate. Single false stamps that
+    // follow each other are off by now more and now less.
     let goes_otherwise = ahead.chunk_by(|one, next| is_off(one) == is_off(next)).find_map(|stretch| {
         let [first, .., last] = stretch else { return None };
         let lasts = last[0].saturating_sub(first[0]) > lasting_ns && stretch.len() >= LEAST_OFF;

@@ -127,7 +127,8 @@ pub(super) fn turn_rate(time_s: f64, rate_rad_per_s: f64) -> Vec<u8> {
         .finish()
 }
 
-/// A `sensor_msgs/LaserScan` of a range scanner with the given keys. By the definition of the message, a beam that met nothing has an infinite distance.
+/// A `sensor_msgs/LaserScan` of a range scanner with the given keys. By the definition of the message, a beam that met nothing has an infinite
+/// distance.
 pub(super) fn laser_scan(time_s: f64, scan: &Scan, scanner: &Scanner) -> Vec<u8> {
     let n_beams = scan.distances_m.len();
     let last_rad = scan.first_rad + scan.step_rad * n_beams.saturating_sub(1) as f64;

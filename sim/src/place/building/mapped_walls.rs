@@ -9,8 +9,8 @@ use crate::{
 };
 
 impl Scene {
-    /// Fronts of the walls as the scene states them: the sides of all rooms without the doors in them, whether these are open or closed, and the sides of
-    /// the pieces of furniture that are walls.
+    /// Fronts of the walls as the scene states them: the sides of all rooms without the doors in them, whether these are open or closed, and the
+    /// sides of the pieces of furniture that are walls.
     pub(crate) fn mapped_walls(&self) -> Vec<Wall> {
         let sides = walls::standing_walls(&walls::enclosures(self));
         let parts = sides.iter().flat_map(|side| {

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::Careful;
 
 /// A planar range scanner: beams in one plane, each of which measures the distance of what it meets, such as the laser scanner of a vacuum cleaner or
-/// a forklift. All beams of a scan measure at the same instant. The program that drives the robot to its goals stops before what a scan shows, and the
-/// method `wall_ranges` locates the robot by it.
+/// a forklift. All beams of a scan measure at the same instant. The program that drives the robot to its goals stops before what a scan shows, and
+/// the method `wall_ranges` locates the robot by it.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scanner {
@@ -45,8 +45,8 @@ pub struct Scanner {
     /// Bound `scanner.position`: greatest error of the scanner's mounted position, forward and left each; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// Bounds `scanner.yaw` and `scanner.tilt`: greatest error of the scanner's mounted direction, and greatest angle between the plane of its beams and
-    /// the body's level plane; drawn at random.
+    /// Bounds `scanner.yaw` and `scanner.tilt`: greatest error of the scanner's mounted direction, and greatest angle between the plane of its beams
+    /// and the body's level plane; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub angle_tolerance_deg: f64,
     /// Bound `scanner.stamp`: greatest error of a scan's stamp against the true time, drawn at random for each scan.
