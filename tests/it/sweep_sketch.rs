@@ -91,7 +91,7 @@ fn a_sweep_read_in_pieces_has_the_figures_of_the_sweep_read_at_once_and_leaves_t
     let at_once = Overview::of(&Results::read(&folder).unwrap());
     let sketch = Sketch::of_sweep(&folder, &plan, &|_| true).unwrap();
     let (in_pieces, kept) = sketch.finish(Some(plan));
-    let again = Sketch::of_tables(std::slice::from_ref(&folder)).unwrap().finish(None).0;
+    let again = Sketch::of_tables(std::slice::from_ref(&folder)).unwrap().0.finish(None).0;
     assert_eq!(fs::read_dir(folder.join("results")).unwrap().count(), 1);
     assert_eq!(kept.cases.len(), 12);
     for overview in [in_pieces, again] {
@@ -108,4 +108,88 @@ fn a_sweep_read_in_pieces_has_the_figures_of_the_sweep_read_at_once_and_leaves_t
         let (_, widths) = spreads.iter().find(|(measure, _)| measure.name == "width").unwrap();
         assert!(widths.is_sorted() && widths[0] < widths[6], "{widths:?}");
     }
+}
+
+/// The verdict of a report on parts into the folder `sketched`, and its exit code with all that it prints.
+fn reported(folder: &Path, parts: &[&str]) -> (i32, String, String) {
+    outcome(&mut wherein(folder, &[&["report"], parts, &["--out", "sketched"]].concat()))
+}
+
+/// Copies the table of a part into another folder, with each line as `change` makes it.
+fn copy_table(folder: &Path, part: &str, to: &str, change: impl Fn(usize, &str) -> String) {
+    fs::create_dir_all(folder.join(to)).unwrap();
+    let table = read(folder, &format!("{part}/results.csv"));
+    let lines: String = table.lines().enumerate().map(|(number, line)| change(number, line) + "\n").collect();
+    fs::write(folder.join(to).join("results.csv"), lines).unwrap();
+}
+
+#[test]
+fn the_cases_that_no_part_has_are_named_as_missing() {
+    let folder = swept("sketch_missing");
+    let (code, stdout, stderr) = reported(&folder, &["one"]);
+    assert_eq!(code, 2, "{stdout}{stderr}");
+    assert!(stdout.contains("FAILED: Of 12 cases, 4 missed an expectation, 6 are missing."), "{stdout}");
+    let missing: Vec<&str> = stdout.lines().filter_map(|line| line.strip_prefix("MISSING ")).collect();
+    // The first part has every other case, from the first on; three seeds follow each other.
+    assert_eq!(missing.len(), 6, "{stdout}");
+    assert_eq!(missing[0], "floor.friction=0.5 localizer.declared_width_m=0.001 seed 1");
+    assert!(read(&folder, "sketched/summary.md").contains("### Not run"));
+    // The report on the part alone leaves rows of the missing cases in the part's table.
+    assert_eq!(outcome(&mut wherein(&folder, &["report", "one"])).0, 2);
+    assert!(read(&folder, "one/results.csv").contains(",missing,"));
+    let (code, stdout, _) = reported(&folder, &["one", "other"]);
+    assert!(code == 1 && stdout.contains("FAILED: Of 12 cases, 6 missed an expectation."), "{stdout}");
+}
+
+#[test]
+fn no_case_is_counted_twice() {
+    let folder = swept("sketch_twice");
+    for parts in [&["one", "one", "other"][..], &["one", "whole"], &["whole/results.csv", "other/results.csv"]] {
+        let (code, stdout, stderr) = reported(&folder, parts);
+        assert!(code == 1 && stdout.contains("FAILED: Of 12 cases, 6 missed an expectation."), "{stdout}{stderr}");
+    }
+    // Tables alone, of a sweep and of runs that have no names.
+    assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..2", "--out", "runs"])).0, 0);
+    assert!(outcome(&mut wherein(&folder, &["report", "runs"])).1.contains("All 2 cases met"));
+    for (part, told) in [("whole", "Of 12 cases, 6 missed"), ("runs", "All 2 cases met")] {
+        let copy = format!("{part}_table");
+        copy_table(&folder, part, &copy, |_, line| line.to_owned());
+        let (_, stdout, stderr) = reported(&folder, &[&copy, &copy, part]);
+        assert!(stdout.contains(told), "{stdout}{stderr}");
+    }
+}
+
+#[test]
+fn a_case_that_failed_in_one_part_and_ran_in_another_counts_as_run() {
+    let folder = swept("sketch_retried");
+    copy_table(&folder, "one", "retried", |number, line| match number {
+        1 => line.replace(",done,false,", ",failed,,").replace(",done,true,", ",failed,,"),
+        _ => line.to_owned(),
+    });
+    fs::copy(folder.join("one/sweep.json"), folder.join("retried/sweep.json")).unwrap();
+    let (code, stdout, _) = reported(&folder, &["retried", "other"]);
+    assert!(code == 2 && stdout.contains(" missed an expectation, 1 could not run."), "{stdout}");
+    for parts in [["retried", "one", "other"], ["one", "other", "retried"]] {
+        let (code, stdout, _) = reported(&folder, &parts);
+        assert!(code == 1 && stdout.contains("FAILED: Of 12 cases, 6 missed an expectation."), "{stdout}");
+    }
+}
+
+#[test]
+fn parts_of_different_sweeps_are_not_reported_on_together() {
+    let folder = swept("sketch_different");
+    let sweep = ["sweep", "scene.toml", "--seeds", "0..2", "--out", "without_keys"];
+    assert_eq!(outcome(&mut wherein(&folder, &sweep)).0, 0);
+    let (code, stdout, stderr) = reported(&folder, &["one", "without_keys"]);
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    let told = "wherein: failed to report on one and without_keys: their sweeps differ in what varies: ";
+    assert!(stderr.starts_with(told), "{stderr}");
+    copy_table(&folder, "without_keys", "table", |_, line| line.to_owned());
+    let (code, stdout, stderr) = reported(&folder, &["one", "table"]);
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    assert!(stderr.contains("report on one and table/results.csv: the table has the case "), "{stderr}");
+    // A table that is older than the plan beside it has none of its cases.
+    fs::copy(folder.join("one/sweep.json"), folder.join("table/sweep.json")).unwrap();
+    let (code, stdout, _) = reported(&folder, &["table"]);
+    assert!(code == 2 && stdout.contains("Of 12 cases, 12 are missing."), "{stdout}");
 }

@@ -126,11 +126,17 @@ impl Results {
 impl CaseResult {
     /// Reads the result of one case of the sweep in `folder`.
     pub fn of_sweep(folder: &Path, plan: &Plan, case: PlannedCase) -> CaseResult {
+        let recorded = read_case(folder, &case.id);
+        CaseResult { recorded, ..CaseResult::missing(folder, plan, case) }
+    }
+
+    /// Returns the result of one case of the sweep in `folder` as if it had not run.
+    pub fn missing(folder: &Path, plan: &Plan, case: PlannedCase) -> CaseResult {
         CaseResult {
             scene: plan.scene.clone(),
             scene_path: plan.path.clone(),
             folder: case_folder(folder, &case.id),
-            recorded: read_case(folder, &case.id),
+            recorded: Recorded::Missing,
             id: case.id,
             settings: case.settings,
             seed: case.seed,

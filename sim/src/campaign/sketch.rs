@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! folder of a sweep ──> pieces of 1000 cases ──> results/part-*  ┐
-//! tables of parts   ──> pieces of rows ──────────────────────────┴─> Sketch ──> Overview and the worst cases ──> report
+//! tables of parts   ──> pieces of rows, each case once ──────────┴─> Sketch ──> Overview and the worst cases ──> report
 //! ```
 //!
 //! Counts, means, root mean squares and extremes are those of all cases, as [`Overview::of`] has them but for rounding. Quantiles over the cases come
 //! from histograms. Of the cases, the worst are kept, and the first of those that did not run.
 
+mod joined;
 mod kept;
 mod quantiles;
 mod tally;
@@ -24,16 +25,17 @@ use crate::{
         run_files::{RecordError, naming},
     },
     campaign::{
-        cases::{CaseResult, PARTS, Results, Table, read_pieces, table_files},
+        cases::{CaseResult, Cell, PARTS, Results, Table, read_pieces},
         report::{Group, MEASURES, Overview, Sketched, as_html, as_markdown},
         sweep::{Plan, SweepError, write_whole},
     },
     judge::figures::Figures,
 };
 
+use joined::{Joined, Status};
 use kept::{Kept, Origin};
 use quantiles::{ACCURACY, Quantiles};
-use tally::{Names, Tally};
+use tally::{Columns, Names, Tally};
 
 /// Greatest number of cases of a sweep whose report is made of all cases at once. Each takes about 0.1 MB of memory.
 pub const MOST_WHOLE: usize = 5000;
@@ -81,16 +83,37 @@ pub struct Sketch {
 type GroupKey = (String, String, Vec<(String, tally::Ordered)>);
 
 impl Sketch {
-    /// Adds all rows of tables of results: of files, and of folders that sweeps wrote, such as the parts of a sweep.
-    pub fn of_tables(paths: &[PathBuf]) -> Result<Sketch, SweepError> {
+    /// Adds all cases of tables of results: of files, and of folders that sweeps wrote, such as the parts of a sweep, whose plan is returned.
+    ///
+    /// Each case counts once, however many tables have it: as run where one of them says so, and otherwise as failed where one of them says so. Where
+    /// a folder holds a sweep's plan, the cases of the plan that no table has are missing, and tables of another sweep are refused.
+    pub fn of_tables(paths: &[PathBuf]) -> Result<(Sketch, Option<Plan>), SweepError> {
         let mut sketch = Sketch::default();
-        for path in paths {
-            for file in table_files(path)? {
-                let origin = Origin::of(&file)?;
-                read_pieces(&file, &is_shown, &mut |piece| sketch.add(piece, &origin))?;
+        let (mut joined, mut tables) = Joined::of(paths)?;
+        for status in Status::ALL {
+            for table in &mut tables {
+                // A table is read once more only if it has such cases. Which cases of a plan are missing does not stand in tables.
+                let is_needed =
+                    table.postponed.contains(&status) && (status != Status::Missing || joined.plan().is_none());
+                if status == Status::Ran || is_needed {
+                    let (file, origin) = (table.file.clone(), table.origin.clone());
+                    read_pieces(&file, &is_shown, &mut |piece| {
+                        let mut takes = |columns: &Columns<'_>, row: &[Cell]| joined.takes(table, status, columns, row);
+                        sketch.add(piece, &origin, &mut takes);
+                    })?;
+                    joined.expect_no_other()?;
+                }
             }
         }
-        Ok(sketch)
+        if let Some((folder, plan)) = joined.plan() {
+            let origin = Origin { folder: folder.clone(), scene_path: plan.path.clone() };
+            let missing = plan.planned().filter(|case| joined.is_missing(&case.id));
+            let mut missing = missing.map(|case| CaseResult::missing(folder, plan, case));
+            while let Some(table) = next_piece(&mut missing, plan) {
+                sketch.add(&table, &origin, &mut |_, _| true);
+            }
+        }
+        Ok((sketch, joined.into_plan()))
     }
 
     /// Reads those cases of a sweep for whose index `is_meant` is true, piece by piece, and writes each piece into the folder `results` of the
@@ -104,25 +127,21 @@ impl Sketch {
         naming("create", &parts, fs::create_dir_all(&parts))?;
         let mut sketch = Sketch::default();
         let origin = Origin { folder: folder.to_owned(), scene_path: plan.path.clone() };
-        let mut meant = plan.planned().filter(|case| is_meant(case.index));
+        let meant = plan.planned().filter(|case| is_meant(case.index));
+        let mut meant = meant.map(|case| CaseResult::of_sweep(folder, plan, case));
         for number in 0.. {
-            let cases: Vec<CaseResult> =
-                meant.by_ref().take(PER_PART).map(|case| CaseResult::of_sweep(folder, plan, case)).collect();
-            if cases.is_empty() {
-                break;
-            }
-            let table = Table::of(&Results { title: plan.scene.clone(), plan: None, cases });
+            let Some(table) = next_piece(&mut meant, plan) else { break };
             write_part(&table, &parts, number)?;
-            sketch.add(&table, &origin);
+            sketch.add(&table, &origin, &mut |_, _| true);
         }
         Ok(sketch)
     }
 
-    /// Adds the rows of a table whose cases were run where `origin` says.
-    fn add(&mut self, table: &Table, origin: &Origin) {
-        let columns = tally::Columns::of(table, &mut self.names);
+    /// Adds those rows of a table for which `is_taken` is true. Their cases were run where `origin` says.
+    fn add(&mut self, table: &Table, origin: &Origin, is_taken: &mut dyn FnMut(&Columns<'_>, &[Cell]) -> bool) {
+        let columns = Columns::of(table, &mut self.names);
         self.spreads.resize_with(MEASURES.len(), Quantiles::default);
-        for row in &table.rows {
+        for row in table.rows.iter().filter(|row| is_taken(&columns, row)) {
             let case = columns.identity(row);
             match (case.status, case.passed) {
                 ("failed", _) => self.n_failed += 1,
@@ -221,6 +240,12 @@ impl Sketch {
 pub fn write(overview: &Overview, results: &Results, folder: &Path) -> Result<(), RecordError> {
     write_whole(&folder.join("report.html"), as_html(overview, results).as_bytes())?;
     write_whole(&folder.join("summary.md"), as_markdown(overview, results).as_bytes())
+}
+
+/// Returns the table of the next cases; none when there are no more.
+fn next_piece(cases: &mut dyn Iterator<Item = CaseResult>, plan: &Plan) -> Option<Table> {
+    let cases: Vec<CaseResult> = cases.take(PER_PART).collect();
+    (!cases.is_empty()).then(|| Table::of(&Results { title: plan.scene.clone(), plan: None, cases }))
 }
 
 /// Whether a report reads the column with this name.

@@ -24,7 +24,7 @@ use crate::subject::SubjectChoice;
 
 pub use begun::Begun;
 pub use error::SweepError;
-pub use merge::merge;
+pub use merge::{expect_same, merge};
 pub use plan::{Case, Plan, PlannedCase};
 pub use seeds::Seeds;
 pub use shard::Shard;

@@ -17,7 +17,8 @@ pub(super) fn report_folder(arguments: &ReportArguments) -> Result<ExitCode, Com
     let ReportArguments { folders, out, outputs } = arguments;
     if let Some(out) = out {
         run_files::prepare(out)?;
-        return conclude_sketch(Sketch::of_tables(folders)?, None, out, outputs);
+        let (sketch, plan) = Sketch::of_tables(folders)?;
+        return conclude_sketch(sketch, plan, out, outputs);
     }
     let [folder] = folders.as_slice() else { return Err(CommandError::SeveralReported(folders.len())) };
     match read_plan(folder)? {

@@ -66,7 +66,8 @@ pub(super) struct MergeArguments {
 #[derive(Debug, Args)]
 pub(super) struct ReportArguments {
     /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report is written into the same folder. With --out, tables of results:
-    /// any number of such folders, of files results.csv, or of files results.parquet where the program was built with Parquet.
+    /// any number of such folders, of files results.csv, or of files results.parquet where the program was built with Parquet. Folders of one sweep's
+    /// parts count each case once, and what no part has is missing; parts of different sweeps are refused.
     #[arg(required = true, value_name = "DIR")]
     pub(super) folders: Vec<PathBuf>,
     /// Write the report into this folder, and make it of tables of results alone, row by row: for more cases than memory or patience suffice for.

@@ -9,9 +9,9 @@ use serde_json::{Map, Value, json};
 
 use crate::{
     campaign::{
-        cases::{CaseResult, Cell, PARTS},
+        cases::{CaseResult, Cell},
         report::badness,
-        sweep::{Recorded, SweepError, case_folder, read_case, read_plan},
+        sweep::{Recorded, case_folder, read_case},
     },
     judge::figures::Figures,
 };
@@ -40,18 +40,6 @@ pub(super) struct Kept {
 
 /// The key that [`badness`] gives, greater for worse cases.
 type Badness = (bool, u8, f64, f64);
-
-impl Origin {
-    /// Returns where the cases of a table in a file were run: in the file's folder, or the folder above, if that is a sweep's.
-    pub(super) fn of(file: &Path) -> Result<Origin, SweepError> {
-        let mut folder = file.parent().unwrap_or(Path::new("")).to_owned();
-        if folder.ends_with(PARTS) {
-            folder.pop();
-        }
-        let plan = read_plan(&folder)?;
-        Ok(Origin { folder, scene_path: plan.map(|plan| plan.path).unwrap_or_default() })
-    }
-}
 
 impl Kept {
     /// Keeps the case of a row if it is among the worst so far.

@@ -105,6 +105,11 @@ impl<'a> Columns<'a> {
         self.table.columns.iter().position(|column| column == name).map(|column| &row[column])
     }
 
+    /// Returns those cells of a row that are not empty, each with the name of its column.
+    pub(super) fn cells<'r>(&'r self, row: &'r [Cell]) -> impl Iterator<Item = (&'r str, &'r Cell)> {
+        self.table.columns.iter().map(String::as_str).zip(row).filter(|(_, cell)| **cell != Cell::Empty)
+    }
+
     /// Returns the text of a row in the column with this name; empty where it has none.
     pub(super) fn text<'r>(&self, row: &'r [Cell], name: &str) -> &'r str {
         if let Some(Cell::Text(text)) = self.cell(row, name) { text } else { "" }

@@ -70,14 +70,26 @@ pub enum SweepError {
         /// Path of the folder.
         folder: PathBuf,
     },
-    /// Two folders to be merged hold parts of different sweeps.
-    #[error("merge {} and {}: their sweeps differ in {what}", one.display(), other.display())]
+    /// Two folders that are to be joined hold parts of different sweeps.
+    #[error("{join} {} and {}: their sweeps differ in {what}", one.display(), other.display())]
     DifferentSweeps {
+        /// What was to be done with both folders together: "merge".
+        join: &'static str,
         /// First of the two folders.
         one: PathBuf,
         /// Second of the two folders.
         other: PathBuf,
         /// Description of what differs, with both values.
         what: String,
+    },
+    /// A table of results has a case that is none of the sweep with whose parts it is reported on.
+    #[error("report on {} and {}: the table has the case {case}, expected cases of that sweep only", folder.display(), table.display())]
+    OtherCase {
+        /// Path of the table.
+        table: PathBuf,
+        /// Folder of a part of the sweep.
+        folder: PathBuf,
+        /// Name of the case.
+        case: String,
     },
 }

@@ -16,11 +16,7 @@ pub fn merge(folders: &[PathBuf], store: &Store) -> Result<Plan, SweepError> {
         let plan = read_plan(folder)?.ok_or_else(|| SweepError::NoSweep { folder: folder.clone() })?;
         match &whole {
             None => whole = Some((folder.clone(), plan)),
-            Some((first, agreed)) => {
-                if let Some(what) = difference(agreed, &plan) {
-                    return Err(SweepError::DifferentSweeps { one: first.clone(), other: folder.clone(), what });
-                }
-            }
+            Some((first, agreed)) => expect_same("merge", (first, agreed), (folder, &plan))?,
         }
     }
     let Some((_, plan)) = whole else {
@@ -45,6 +41,14 @@ fn adopt(id: &str, folders: &[PathBuf], store: &Store) -> Result<(), SweepError>
     Ok(())
 }
 
+/// Refuses to join two folders, each with its plan, if they hold parts of different sweeps.
+pub fn expect_same(join: &'static str, one: (&Path, &Plan), other: (&Path, &Plan)) -> Result<(), SweepError> {
+    let ((one, plan), (other, other_plan)) = (one, other);
+    difference(plan, other_plan).map_or(Ok(()), |what| {
+        Err(SweepError::DifferentSweeps { join, one: one.to_owned(), other: other.to_owned(), what })
+    })
+}
+
 /// Describes what differs between two plans; none when they are equal.
 fn difference(one: &Plan, other: &Plan) -> Option<String> {
     let differ = |name: &str, one: String, other: String| (one != other).then(|| format!("{name}: {one} and {other}"));
@@ -53,6 +57,8 @@ fn difference(one: &Plan, other: &Plan) -> Option<String> {
     differ("scene", one.scene.clone(), other.scene.clone())
         .or_else(|| differ("what the scene states", one.scene_digest.clone(), other.scene_digest.clone()))
         .or_else(|| differ("what varies", keys(one), keys(other)))
+        .or_else(|| differ("localizer", one.subject.clone(), other.subject.clone()))
+        .or_else(|| differ("baselines", one.baselines.to_string(), other.baselines.to_string()))
         .or_else(|| differ("seeds", format!("{:?}", one.seeds), format!("{:?}", other.seeds)))
         .or_else(|| differ("version", one.version.clone(), other.version.clone()))
         .or_else(|| differ("program", optional(&one.program), optional(&other.program)))
