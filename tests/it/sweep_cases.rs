@@ -255,3 +255,32 @@ fn a_sweep_file_states_the_same_sweep() {
     assert_eq!(code, 0, "{stderr}");
     assert_same_results(&folder.join("typed"), &folder.join("filed"));
 }
+
+#[test]
+fn a_part_without_cases_is_a_success_and_is_merged_and_reported_on_with_the_others() {
+    let folder = folder("sweep_empty_part");
+    write_scene(&folder, 0.1);
+    let sweep = |part: usize, more: &[&str]| {
+        let (shard, out) = (format!("{part}/16"), format!("part-{part}"));
+        let sweep = ["sweep", "scene.toml", "--seeds", "0..4", "--shard", &shard, "--out", &out];
+        outcome(&mut wherein(&folder, &[&sweep, more].concat()))
+    };
+    let (code, stdout, stderr) = sweep(9, &["--junit", "junit.xml"]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert!(stdout.starts_with("This shard has no cases, as the sweep has 4 only\n"), "{stdout}");
+    let table = fs::read_to_string(folder.join("part-9/results.csv")).unwrap();
+    assert!(table.lines().count() == 1 && table.starts_with("case,scene,seed,"), "{table}");
+    assert!(fs::read_to_string(folder.join("junit.xml")).unwrap().contains("tests=\"0\""));
+    for part in 1..=16 {
+        assert_eq!(sweep(part, &[]).0, 0);
+    }
+    let parts: Vec<String> = (1..=16).map(|part| format!("part-{part}")).collect();
+    let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
+    for command in ["merge", "report"] {
+        let (code, stdout, stderr) =
+            outcome(&mut wherein(&folder, &[&[command], &parts[..], &["--out", "whole"]].concat()));
+        assert!(code == 0 && stdout.contains("passed: All 4 cases"), "{command}: {stdout}{stderr}");
+    }
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["report", "part-9", "--out", "whole"]));
+    assert!(code == 2 && stdout.contains("FAILED: Of 4 cases, 4 are missing."), "{stdout}");
+}

@@ -33,18 +33,33 @@ pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> R
     Ok(exit_code(&overview))
 }
 
-/// The same for those cases of the sweep in `folder` for whose index `is_meant` is true, however many these are.
+/// The same for those cases of the sweep in `folder` for whose index `is_meant` is true, however many these are. There are none where a sweep has
+/// fewer cases than parts, which is no failure.
 pub(super) fn conclude_sweep(
     folder: &Path,
     plan: Plan,
     is_meant: &dyn Fn(usize) -> bool,
     outputs: &Outputs,
 ) -> Result<ExitCode, CommandError> {
-    if (0..plan.cases.len()).filter(|index| is_meant(*index)).count() <= MOST_WHOLE {
+    let n_meant = (0..plan.cases.len()).filter(|index| is_meant(*index)).count();
+    if n_meant == 0 {
+        return conclude_without_cases(&Results::of_sweep(folder, plan, is_meant), folder, outputs);
+    }
+    if n_meant <= MOST_WHOLE {
         return conclude(&Results::of_sweep(folder, plan, is_meant), folder, outputs);
     }
     let sketch = Sketch::of_sweep(folder, &plan, is_meant)?;
     conclude_sketch(sketch, Some(plan), folder, outputs)
+}
+
+/// Writes the files of a part without cases, so that it can be merged and reported on like the other parts.
+fn conclude_without_cases(results: &Results, folder: &Path, outputs: &Outputs) -> Result<ExitCode, CommandError> {
+    report::write(results, folder)?;
+    write_junit(results, outputs.junit.as_ref())?;
+    let n_cases = results.plan.as_ref().map_or(0, |plan| plan.cases.len());
+    print(&format!("This shard has no cases, as the sweep has {n_cases} only\n"))?;
+    print(&format!("Recorded in {}: report.html, results.csv, summary.md\n", folder.display()))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The same for cases whose rows were added up one by one.

@@ -100,6 +100,7 @@ impl Overview {
         let cases = if n_cases == 1 { "case" } else { "cases" };
         if self.has_passed() {
             return match n_cases {
+                0 => "There are no cases".to_owned(),
                 1 => "The case met the scene's expectations".to_owned(),
                 _ => format!("All {n_cases} cases met their scene's expectations"),
             };
