@@ -20,7 +20,7 @@ const DOCUMENTS: [&str; 9] = [
 ];
 
 /// Every document for people with its text, those outside of the book first.
-fn documents() -> Vec<(PathBuf, String)> {
+pub(crate) fn documents() -> Vec<(PathBuf, String)> {
     let paths = DOCUMENTS.into_iter().map(|path| root().join(path)).chain(pages());
     paths
         .map(|path| (path.clone(), fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))))

@@ -132,8 +132,10 @@ mod film;
 mod record_files;
 /// Tests of rules that every scene file, the schema and the documents must obey.
 mod repository;
-/// Tests of the documents for people: links, tables, the length of README, and commands that they name.
+/// Tests of the documents for people: links, tables, the length of README, and targets of make.
 mod documents;
+/// Tests that the commands in documents and scripts are commands of the program, with options that it has.
+mod shown_commands;
 /// Test that runs every command of the book's page *First hour*.
 mod first_hour;
 /// Tests of what a release consists of: licences, the crates' metadata, versions, citation and changelog.

@@ -82,7 +82,19 @@ fn every_path_that_a_document_names_exists() {
 
 /// Paths in a document's text: parts in `back quotes` or in (a link) that begin with a folder of the repository.
 fn named_paths(text: &str) -> Vec<PathBuf> {
-    const FOLDERS: [&str; 8] = ["localizer/", "sim/", "tests/", "scenes/", "scripts/", "experiments/", ".ci/", "docs/"];
+    const FOLDERS: [&str; 11] = [
+        "localizer/",
+        "sim/",
+        "tests/",
+        "scenes/",
+        "scripts/",
+        "experiments/",
+        ".ci/",
+        "docs/",
+        "python/",
+        "examples/",
+        ".github/",
+    ];
     let spans = text.split(['`', '(', ')', ' ', '\n']);
     spans
         .filter(|span| FOLDERS.iter().any(|folder| span.starts_with(folder)))
@@ -90,7 +102,7 @@ fn named_paths(text: &str) -> Vec<PathBuf> {
         // files that are not committed.
         .filter(|span| !span.contains(['*', '<', '…', '{']) && !span.starts_with("experiments/out"))
         // A link may lead to a heading of a file.
-        .map(|span| Path::new(span.split('#').next().unwrap().trim_end_matches([',', '.', ':', ';'])).to_owned())
+        .map(|span| Path::new(span.split('#').next().unwrap().trim_end_matches([',', '.', ':', ';', '\''])).to_owned())
         .collect()
 }
 

@@ -206,6 +206,15 @@ pub fn main() -> ExitCode {
     })
 }
 
+/// Parses the words of a command line, the program's name first, without carrying the command out. The error says what the command would complain of.
+pub fn parse(words: &[String]) -> Result<(), clap::Error> {
+    match Cli::try_parse_from(words) {
+        // Whoever asks for help or for the version has made no mistake.
+        Err(error) if error.exit_code() != 0 => Err(error),
+        _ => Ok(()),
+    }
+}
+
 fn print_scene(arguments: &SceneArguments) -> Result<(), CommandError> {
     print(&SceneTemplate::load(&arguments.scene)?.with(&arguments.set)?.text)
 }
