@@ -284,3 +284,72 @@ fn a_part_without_cases_is_a_success_and_is_merged_and_reported_on_with_the_othe
     let (code, stdout, _) = outcome(&mut wherein(&folder, &["report", "part-9", "--out", "whole"]));
     assert!(code == 2 && stdout.contains("FAILED: Of 4 cases, 4 are missing."), "{stdout}");
 }
+
+/// Writes the record of a case that could not run into the folder of a sweep.
+fn write_failed(sweep: &Path, id: &str) {
+    let seal = serde_json::json!({
+        "id": id, "set": [], "seed": 3, "frames": "none", "failure": "the run panicked", "files": {}
+    });
+    let _ = fs::remove_dir_all(sweep.join("cases").join(id));
+    fs::create_dir_all(sweep.join("cases").join(id)).unwrap();
+    fs::write(sweep.join("cases").join(id).join("case.json"), seal.to_string()).unwrap();
+}
+
+/// Names of the cases of a sweep in the order of its plan.
+fn case_names(sweep: &Path) -> Vec<String> {
+    let plan: Value = serde_json::from_str(&fs::read_to_string(sweep.join("sweep.json")).unwrap()).unwrap();
+    plan["cases"].as_array().unwrap().iter().map(|id| id.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn a_case_that_failed_is_merged_from_a_part_in_which_it_ran() {
+    let folder = folder("sweep_failed_once");
+    write_scene(&folder, 0.1);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("ran", &[]))).0, 0);
+    fs::create_dir(folder.join("failed")).unwrap();
+    fs::copy(folder.join("ran/sweep.json"), folder.join("failed/sweep.json")).unwrap();
+    write_failed(&folder.join("failed"), &case_names(&folder.join("ran"))[5]);
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["merge", "failed", "ran", "--out", "merged"]));
+    assert_eq!(code, 0, "{stdout}");
+    assert_same_results(&folder.join("ran"), &folder.join("merged"));
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["merge", "failed", "--out", "alone"]));
+    assert!(code == 2 && stdout.contains("Of 12 cases, 1 could not run, 11 are missing"), "{stdout}");
+}
+
+#[test]
+fn parts_of_different_programs_or_adapters_are_not_merged() {
+    let folder = folder("sweep_programs");
+    write_scene(&folder, 0.1);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("a", &[]))).0, 0);
+    let plan: Value = serde_json::from_str(&fs::read_to_string(folder.join("a/sweep.json")).unwrap()).unwrap();
+    fs::create_dir(folder.join("b")).unwrap();
+    for (key, shown) in
+        [("version", "version"), ("program", "program"), ("adapter", "adapter"), ("subject", "localizer")]
+    {
+        let mut other = plan.clone();
+        other[key] = "another one".into();
+        fs::write(folder.join("b/sweep.json"), other.to_string()).unwrap();
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &["merge", "a", "b", "--out", "merged"]));
+        let told = format!("wherein: failed to merge a and b: their sweeps differ in {shown}: ");
+        assert!(code == 2 && stderr.starts_with(&told) && stderr.contains(" and another one"), "{key}: {stderr}");
+    }
+}
+
+#[test]
+fn what_failed_is_of_another_case_or_half_written_is_run_again() {
+    let folder = folder("sweep_not_its_own");
+    write_scene(&folder, 0.1);
+    let sweep = || outcome(&mut wherein(&folder, &grid("out", &[])));
+    assert_eq!(sweep().0, 0);
+    let before = result_bytes(&folder.join("out"));
+    let (cases, names) = (folder.join("out/cases"), case_names(&folder.join("out")));
+    write_failed(&folder.join("out"), &names[0]);
+    fs::remove_dir_all(cases.join(&names[1])).unwrap();
+    // A case under the name of another one is not that case.
+    fs::rename(cases.join(&names[2]), cases.join(&names[1])).unwrap();
+    fs::create_dir(cases.join(".half_written")).unwrap();
+    let (code, _, stderr) = sweep();
+    assert!(code == 0 && stderr.contains("3 cases run in") && stderr.contains("9 recorded earlier"), "{stderr}");
+    assert!(!cases.join(".half_written").exists(), "what a killed process left half written is removed");
+    assert!(result_bytes(&folder.join("out")) == before);
+}

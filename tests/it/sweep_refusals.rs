@@ -145,3 +145,14 @@ fn a_place_where_junit_cannot_be_written_is_refused_before_anything_runs() {
     assert_eq!(outcome(&mut wherein(&folder, &made)).0, 0);
     assert!(folder.join("new/junit.xml").exists());
 }
+
+#[test]
+fn no_jobs_at_all_are_refused_by_the_options_name() {
+    let folder = with_scene("refused_jobs");
+    for command in [&["sweep", "scene.toml"][..], &["falsify"]] {
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &[command, &["--jobs", "0"]].concat()));
+        assert_eq!(code, 2);
+        let told = "error: invalid value '0' for '--jobs <N>': expected a whole number of at least 1";
+        assert!(stderr.starts_with(told), "{stderr}");
+    }
+}

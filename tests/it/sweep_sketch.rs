@@ -193,3 +193,15 @@ fn parts_of_different_sweeps_are_not_reported_on_together() {
     let (code, stdout, _) = reported(&folder, &["table"]);
     assert!(code == 2 && stdout.contains("Of 12 cases, 12 are missing."), "{stdout}");
 }
+
+#[test]
+fn cases_of_combinations_that_are_not_listed_are_counted() {
+    let folder = folder("sketch_unlisted");
+    let rows: String = (0..1003).map(|n| format!("{n:020x},x,{n},0,done,true\n")).collect();
+    let table = format!("case,scene,set.floor.friction,seed,status,passed\n{rows}");
+    fs::write(folder.join("results.csv"), table).unwrap();
+    let (code, stdout, stderr) = reported(&folder, &["results.csv"]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert!(stdout.contains("There are too many combinations to list all: 3 cases are of other ones"), "{stdout}");
+    assert!(stdout.contains("All 1003 cases"), "{stdout}");
+}

@@ -53,7 +53,7 @@ pub(super) struct FalsifyArguments {
     #[arg(long, value_name = "N", default_value_t = 20)]
     twice_every: u64,
     /// Number of runs at the same time. By default the number of processor cores.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = super::results_arguments::number_of_jobs)]
     jobs: Option<std::num::NonZeroUsize>,
     /// Folder for the journal of the search and the failing scenes.
     #[arg(long, value_name = "DIR", default_value = "renders/falsify")]

@@ -34,7 +34,7 @@ pub(super) struct SweepArguments {
     #[arg(long)]
     pub(super) baselines: bool,
     /// Number of runs at the same time. By default the number of processor cores.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = number_of_jobs)]
     pub(super) jobs: Option<NonZeroUsize>,
     /// Folder for the results. By default sweeps/<scene>.
     #[arg(long, value_name = "DIR")]
@@ -115,6 +115,11 @@ confidence asked for. A side that contained the truth at every step is better th
 `least seen` is the least difference that these seeds would tell from chance: with more seeds it shrinks.
 
 Exit code: 0 nothing is worse, 1 something is or could not run any more, 2 could not compare.";
+
+/// Reads a number of runs at the same time.
+pub(super) fn number_of_jobs(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "expected a whole number of at least 1".to_owned())
+}
 
 fn confidence(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|p| (0.5..1.0).contains(p)).ok_or_else(|| "expected a number from 0.5 to 1".to_owned())
