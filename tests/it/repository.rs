@@ -107,6 +107,27 @@ fn named_paths(text: &str) -> Vec<PathBuf> {
 }
 
 #[test]
+fn checkouts_have_the_line_ends_of_unix_and_files_that_are_no_texts_as_they_are() {
+    let attributes = fs::read_to_string(root().join(".gitattributes")).unwrap();
+    let says = |line: &str| attributes.lines().any(|stated| stated == line);
+    assert!(says("* text=auto eol=lf"), "{attributes}");
+    let mut n_binary = 0;
+    let mut folders = vec![root().join("docs"), root().join("localizer"), root().join("sim"), root().join("tests")];
+    while let Some(searched) = folders.pop() {
+        for path in fs::read_dir(searched).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if std::str::from_utf8(&fs::read(&path).unwrap()).is_err() {
+                n_binary += 1;
+                let ending = path.extension().unwrap_or_default().display();
+                assert!(says(&format!("*.{ending} binary")), "{}", path.display());
+            }
+        }
+    }
+    assert!(n_binary > 30, "{n_binary} files that are no texts");
+}
+
+#[test]
 fn the_page_of_keys_is_that_of_the_schema() {
     let page = fs::read_to_string(root().join("docs/src/scene_keys.md")).unwrap();
     assert_eq!(page, keys_markdown(), "wherein schema --markdown > docs/src/scene_keys.md");
