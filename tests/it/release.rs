@@ -167,6 +167,20 @@ fn the_image_runs_the_command_as_a_user_without_rights_and_copies_what_it_is_giv
 }
 
 #[test]
+fn a_job_of_kubernetes_runs_as_the_user_of_the_image_and_may_write_into_its_volume() {
+    let after = |text: &str, key: &str| -> u32 {
+        let rest = text.split_once(key).unwrap_or_else(|| panic!("found no {key}")).1;
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let user = after(&text("Containerfile"), "useradd --create-home --uid ");
+    let job = text("docs/ci/kubernetes_job.yml");
+    for key in ["runAsUser: ", "runAsGroup: ", "fsGroup: "] {
+        assert_eq!(after(&job, key), user, "{key}");
+    }
+    assert!(user != 0 && job.contains("runAsNonRoot: true"));
+}
+
+#[test]
 fn every_feature_is_in_the_books_table_with_its_default_and_is_checked_alone() {
     let (page, makefile) = (text("docs/src/install.md"), text("Makefile"));
     let mut n_features = 0;
