@@ -18,7 +18,7 @@ use super::tested::Tested;
 #[derive(Debug, Args)]
 #[command(after_help = SWEEP_AFTER_HELP)]
 pub(super) struct SweepArguments {
-    /// A scene file, or a sweep file with the keys `scene`, `seeds` and `baselines` and a table `[vary]`.
+    /// A scene file, or a sweep file with the keys `scene`, `seeds`, `subject` and `baselines` and a table `[vary]`.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
     /// A key of the scene and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
