@@ -54,71 +54,71 @@ demo: driver build
 	@echo "Pictures: renders/home/0/errands.png and renders/home/0/figure_*.png"
 
 test: driver
-	cargo test --workspace
+	cargo test --locked --workspace
 
 # All tests with those that are ignored otherwise, and as many rounds, seeds and scenes as the tests know.
 test-long: driver
-	WHEREIN_LONG=1 cargo test --workspace -- --include-ignored
+	WHEREIN_LONG=1 cargo test --locked --workspace -- --include-ignored
 
 lint:
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS=-Dwarnings cargo doc --workspace --no-deps
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS=-Dwarnings cargo doc --locked --workspace --no-deps
 
 bench: driver
-	cargo bench --profile dev -p wherein-interval --bench interval
-	cargo bench --profile dev -p wherein-interval --bench linear_program
-	cargo bench --profile dev -p wherein-localizer --bench p3p
-	cargo bench --profile dev -p wherein-localizer --bench point_features
-	cargo bench --profile dev -p wherein-localizer --bench rigid_motion
-	cargo bench --profile dev -p wherein-tests --bench speed
-	cargo bench --profile dev -p wherein-tests --bench endurance
+	cargo bench --locked --profile dev -p wherein-interval --bench interval
+	cargo bench --locked --profile dev -p wherein-interval --bench linear_program
+	cargo bench --locked --profile dev -p wherein-localizer --bench p3p
+	cargo bench --locked --profile dev -p wherein-localizer --bench point_features
+	cargo bench --locked --profile dev -p wherein-localizer --bench rigid_motion
+	cargo bench --locked --profile dev -p wherein-tests --bench speed
+	cargo bench --locked --profile dev -p wherein-tests --bench endurance
 
 bench-render: driver
-	cargo bench --profile dev -p wherein-tests --bench speed -- views | tee target/bench_render.txt
+	cargo bench --locked --profile dev -p wherein-tests --bench speed -- views | tee target/bench_render.txt
 	$(PYTHON) scripts/bench_render target/bench_render.txt
 
 photon-transfer: driver
-	cargo run -p wherein-tests --example photon_transfer target/photon_transfer
+	cargo run --locked -p wherein-tests --example photon_transfer target/photon_transfer
 	$(PYTHON) scripts/photon_transfer target/photon_transfer
 
 readers: driver
-	cargo build -p wherein-sim --features parquet
+	cargo build --locked -p wherein-sim --features parquet
 	$(PYTHON) scripts/outside_readers $(WHEREIN) target/readers
 
 many-cases: driver
-	cargo build --workspace --bins --example many_cases --features wherein-tests/parquet
+	cargo build --locked --workspace --bins --example many_cases --features wherein-tests/parquet
 	$(PYTHON) scripts/many_cases target/debug/examples/many_cases $(WHEREIN) target/many_cases
 
 allan:
-	cargo run -p wherein-tests --example allan target/allan
+	cargo run --locked -p wherein-tests --example allan target/allan
 	$(PYTHON) scripts/allan target/allan
 
 golden: driver
-	WHEREIN_GOLDEN=1 cargo test -p wherein-tests --test it golden_images
+	WHEREIN_GOLDEN=1 cargo test --locked -p wherein-tests --test it golden_images
 
 gallery: driver build
 	scripts/gallery $(WHEREIN)
 
 path-traced:
-	cargo run -p wherein-tests --example path_traced target/path_traced
+	cargo run --locked -p wherein-tests --example path_traced target/path_traced
 	$(PYTHON) scripts/path_traced target/path_traced
 
 experiments: driver build allan $(if $(ISSUE),,test-long)
 	scripts/experiments $(ISSUE)
 
 straight-drive:
-	cargo run -p wherein-localizer --example straight_drive target/straight_drive
+	cargo run --locked -p wherein-localizer --example straight_drive target/straight_drive
 	$(PYTHON) scripts/straight_drive target/straight_drive/results.csv
 
 falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
-		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
-	WHEREIN_PROGRAMS=100000 cargo test -p wherein-interval --lib -- --nocapture solver
-	WHEREIN_ROWS=167 cargo test -p wherein-localizer --lib -- --nocapture graph::sighting graph::flow graph::way graph::link
-	WHEREIN_ROWS=500 cargo test -p wherein-localizer --lib -- --nocapture relate mapped_landmarks::tests::the_truth mapped_landmarks::tests::a_landmark
-	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
-	WHEREIN_FEATURE_PAIRS=60 cargo test -p wherein-localizer --lib -- --nocapture point_features
+		cargo test --locked -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
+	WHEREIN_PROGRAMS=100000 cargo test --locked -p wherein-interval --lib -- --nocapture solver
+	WHEREIN_ROWS=167 cargo test --locked -p wherein-localizer --lib -- --nocapture graph::sighting graph::flow graph::way graph::link
+	WHEREIN_ROWS=500 cargo test --locked -p wherein-localizer --lib -- --nocapture relate mapped_landmarks::tests::the_truth mapped_landmarks::tests::a_landmark
+	WHEREIN_P3P_PROBLEMS=10000000 cargo test --locked -p wherein-localizer --lib -- --nocapture p3p
+	WHEREIN_FEATURE_PAIRS=60 cargo test --locked -p wherein-localizer --lib -- --nocapture point_features
 
 # The default seed of a search is the time in seconds since 1970, which no earlier search had. make prints the command, so that the same
 # search can be repeated.
@@ -147,7 +147,7 @@ driver:
 	@scripts/driver
 
 build:
-	cargo build --workspace --bins
+	cargo build --locked --workspace --bins
 
 msrv:
 	rustup toolchain install $(MSRV) --profile minimal

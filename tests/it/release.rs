@@ -126,6 +126,26 @@ fn the_oldest_compiler_is_the_one_that_workflows_check() {
     assert!(text("CONTRIBUTING.md").contains(&format!("Rust {oldest}")), "CONTRIBUTING.md: Rust {oldest}");
 }
 
+#[test]
+fn whatever_builds_keeps_to_the_lock() {
+    let workflows = ["ci", "pages", "release", "wheels"].map(|name| format!(".github/workflows/{name}.yml"));
+    let others =
+        ["Makefile", "Containerfile", "scripts/python", "scripts/release", "scripts/container"].map(str::to_owned);
+    let commands = ["bench", "build", "check", "clippy", "doc", "fetch", "install", "package", "run", "test"];
+    let mut n_commands = 0;
+    for path in workflows.into_iter().chain(others) {
+        let text = text(&path);
+        for line in text.lines().map(str::trim).filter(|line| !line.starts_with(['#', '@'])) {
+            let builds = |command: &&str| line.contains(&format!("cargo {command} "));
+            if commands.iter().any(builds) || line.contains("maturin\" build") {
+                n_commands += 1;
+                assert!(line.contains(" --locked "), "{path}: {line}");
+            }
+        }
+    }
+    assert!(n_commands > 30, "{n_commands}");
+}
+
 /// The instructions of Containerfile, with lines that go on joined.
 fn instructions() -> Vec<String> {
     let joined = text("Containerfile").replace("\\\n", " ");
