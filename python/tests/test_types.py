@@ -42,6 +42,11 @@ def test_the_version_is_that_of_the_installed_package():
     assert wherein.__version__ == importlib.metadata.version("wherein")
 
 
+def test_the_installed_package_has_its_licences():
+    installed = {path.name for path in importlib.metadata.files("wherein")}
+    assert {"LICENSE-MIT", "LICENSE-APACHE"} <= installed
+
+
 def test_a_type_checker_accepts_the_package_and_the_examples():
     examples = sorted(str(path) for path in (Path(__file__).parents[1] / "examples").glob("*.py"))
     checked = subprocess.run([sys.executable, "-m", "mypy", "--ignore-missing-imports", "-p", "wherein"], capture_output=True, text=True)

@@ -88,8 +88,17 @@ fn the_licences_are_those_that_the_crates_state() {
             assert_eq!(text(&format!("{folder}/LICENSE-APACHE")), apache, "{folder}");
         }
     }
+}
+
+#[test]
+fn the_wheel_states_and_holds_the_licences_of_the_crates() {
     let python: Table = text("python/pyproject.toml").parse().unwrap();
-    assert_eq!(python["project"]["license"]["text"], shared()["license"]);
+    assert_eq!(python["project"]["license"], shared()["license"]);
+    let files = python["project"]["license-files"].as_array().unwrap();
+    assert_eq!(files.iter().filter_map(Value::as_str).collect::<Vec<_>>(), ["LICENSE-MIT", "LICENSE-APACHE"]);
+    for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        assert_eq!(text(&format!("python/{file}")), text(file), "python/{file}");
+    }
 }
 
 #[test]
