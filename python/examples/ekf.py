@@ -13,7 +13,7 @@ class Ekf:
         wheels, self.gyro, self.cues = told["robot"]["wheels"], told["robot"]["gyro"], told["cues"]
         self.tick_m = np.mean(wheels["radius_m"], axis=1) * 2 * np.pi / wheels["ticks_per_turn"]
         self.slip = np.array([wheels["slip_ratio"], wheels["side_slip_ratio"]]) / 3 + 0.002
-        self.bias_sd = np.ptp(self.gyro["bias_rad_per_s"]) / 6
+        self.track_m, self.bias_sd = np.mean(wheels["track_m"]), np.ptp(self.gyro["bias_rad_per_s"]) / 6 if self.gyro else 0.0
 
     def start(self, box):
         self.mean, self.covariance = box.mean(axis=1), np.diag((np.ptp(box, axis=1) / 6) ** 2)
@@ -23,8 +23,7 @@ class Ekf:
     def observe(self, reading):
         if reading.device == "gyro":
             rate = (reading.rate_rad_per_s - np.mean(self.gyro["bias_rad_per_s"])) / np.mean(self.gyro["scale"])
-            self.turn_rad += rate * (reading.measured_s - self.stamp_s)
-            self.stamp_s = reading.measured_s
+            self.turn_rad, self.stamp_s = self.turn_rad + rate * (reading.measured_s - self.stamp_s), reading.measured_s
         if reading.device == "wheels":
             self.roll(np.array(reading.ticks), reading.measured_s)
         for cue in self.cues.read(reading):
@@ -33,19 +32,20 @@ class Ekf:
     def roll(self, ticks, time_s):
         left_m, right_m = self.tick_m * (ticks - (ticks if self.ticks is None else self.ticks))
         self.ticks, ahead_m, span_s = ticks, (left_m + right_m) / 2, time_s - self.past[-1][0]
-        direction, turn_rad, self.turn_rad = self.mean[2] + self.turn_rad / 2, self.turn_rad, 0.0
-        c, s = np.cos(direction), np.sin(direction)
+        turn_rad, turn_rad2, self.turn_rad = self.turn_rad, 10 * self.bias_sd**2 * span_s, 0.0
+        if not self.gyro:  # the wheels tell the turn, each with its slip
+            turn_rad, turn_rad2 = (right_m - left_m) / self.track_m, (self.slip[0] / self.track_m) ** 2 * (abs(left_m) + abs(right_m))
+        c, s = np.cos(self.mean[2] + turn_rad / 2), np.sin(self.mean[2] + turn_rad / 2)
         self.mean = self.mean + [ahead_m * c, ahead_m * s, turn_rad]
         F = np.array([[1, 0, -ahead_m * s], [0, 1, ahead_m * c], [0, 0, 1]])
         G = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])  # slip after 1 m and bias for 10 s are as declared
-        Q = np.diag([*(self.slip**2 * abs(ahead_m)), 10 * self.bias_sd**2 * span_s + 1e-9])
+        Q = np.diag([*(self.slip**2 * abs(ahead_m)), turn_rad2 + 1e-9])
         self.covariance = F @ self.covariance @ F.T + G @ Q @ G.T
         self.past.append((time_s, self.mean.copy()))
 
     def correct(self, cue):
         then = min(self.past, key=lambda entry: abs(entry[0] - cue.measured_s))[1]
-        compared = cue.compare(then, self.covariance)
-        if compared is None:
+        if (compared := cue.compare(then, self.covariance)) is None:
             return
         residual, H, R = compared
         S = H @ self.covariance @ H.T + R

@@ -16,7 +16,7 @@ class ParticleFilter:
         wheels, self.gyro, self.cues = told["robot"]["wheels"], told["robot"]["gyro"], told["cues"]
         self.tick_m = np.mean(wheels["radius_m"], axis=1) * 2 * np.pi / wheels["ticks_per_turn"]
         self.slip = np.array([wheels["slip_ratio"], wheels["side_slip_ratio"]]) / 3 + 0.002
-        self.bias_sd = np.ptp(self.gyro["bias_rad_per_s"]) / 6
+        self.track_m, self.bias_sd = np.mean(wheels["track_m"]), np.ptp(self.gyro["bias_rad_per_s"]) / 6 if self.gyro else 0.0
         self.random = np.random.default_rng(1)  # equal runs give equal answers
 
     def start(self, box):
@@ -29,8 +29,7 @@ class ParticleFilter:
     def observe(self, reading):
         if reading.device == "gyro":
             rate = (reading.rate_rad_per_s - np.mean(self.gyro["bias_rad_per_s"])) / np.mean(self.gyro["scale"])
-            self.turn_rad += rate * (reading.measured_s - self.stamp_s)
-            self.stamp_s = reading.measured_s
+            self.turn_rad, self.stamp_s = self.turn_rad + rate * (reading.measured_s - self.stamp_s), reading.measured_s
         if reading.device == "wheels":
             self.roll(np.array(reading.ticks), reading.measured_s)
         for cue in self.cues.read(reading):
@@ -39,9 +38,11 @@ class ParticleFilter:
     def roll(self, ticks, time_s):
         left_m, right_m = self.tick_m * (ticks - (ticks if self.ticks is None else self.ticks))
         ahead_m, span_s, turn_rad = (left_m + right_m) / 2, time_s - self.past[-1][0], self.turn_rad
-        self.ticks, self.turn_rad = ticks, 0.0
+        self.ticks, self.turn_rad, turn_rad2 = ticks, 0.0, 10 * self.bias_sd**2 * span_s
+        if not self.gyro:  # the wheels tell the turn, each with its slip
+            turn_rad, turn_rad2 = (right_m - left_m) / self.track_m, (self.slip[0] / self.track_m) ** 2 * (abs(left_m) + abs(right_m))
         slipped = self.random.normal(size=(self.N, 2)) * self.slip * np.sqrt(abs(ahead_m))  # as declared after 1 m
-        drifted = self.random.normal(size=self.N) * np.sqrt(10 * self.bias_sd**2 * span_s + 1e-9)
+        drifted = self.random.normal(size=self.N) * np.sqrt(turn_rad2 + 1e-9)
         self.poses = moved(self.poses, ahead_m + slipped[:, 0], slipped[:, 1], turn_rad + drifted)
         self.gone = moved(self.gone[None], ahead_m, 0.0, turn_rad)[0]
         self.past.append((time_s, self.gone))

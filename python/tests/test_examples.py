@@ -35,6 +35,15 @@ def test_the_particle_filter_knows_where_it_is(tmp_path):
     assert figures["subject"] == "ParticleFilter" and figures["error.position_m.mean"] < 0.03
 
 
+@pytest.mark.parametrize("name, of_class", [("ekf", "Ekf"), ("particle_filter", "ParticleFilter")])
+def test_without_a_gyroscope_the_wheels_tell_the_turn(name, of_class, tmp_path):
+    subject = runpy.run_path(str(EXAMPLES / f"{name}.py"))[of_class]
+    # Without the camera nothing else does, and after half a lap a filter that did not turn would be off by metres.
+    options = {"duration_s": 10, "robot.floor_camera": False}
+    figures = wherein.run(HOME.with_name("tiles.toml"), seeds=3, subject=subject, set=options, out=tmp_path).iloc[0]
+    assert figures["error.position_m.max"] < 0.1 and figures["distribution.nees.mean"] < 6
+
+
 def test_three_ranges_print_a_place():
     printed = subprocess.run([sys.executable, EXAMPLES / "three_ranges.py"], check=True, capture_output=True, text=True)
     # The true place, (4, 3), is 5 m, 5 m and 3 m from the beacons.
