@@ -1,4 +1,4 @@
-"""The examples: two filters that drive errands, three ranges, and the notebook."""
+"""The examples: two filters that drive errands, three ranges, the notebook, and what the package's page shows."""
 
 import runpy
 import subprocess
@@ -48,6 +48,13 @@ def test_three_ranges_print_a_place():
     printed = subprocess.run([sys.executable, EXAMPLES / "three_ranges.py"], check=True, capture_output=True, text=True)
     # The true place, (4, 3), is 5 m, 5 m and 3 m from the beacons.
     assert "one may be wrong" in printed.stdout and "[3.8" in printed.stdout
+
+
+def test_what_the_page_of_the_package_shows_runs_anywhere(tmp_path):
+    page = (EXAMPLES.parent / "README.md").read_text()
+    example = page.split("```python\n")[1].split("```")[0]
+    printed = subprocess.run([sys.executable, "-c", example], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert printed.stdout.startswith("<DriveResult of room seed 3: passed")
 
 
 def test_the_notebook_runs(monkeypatch):

@@ -109,6 +109,18 @@ fn every_link_of_a_document_leads_to_a_file_and_a_heading_of_it() {
 }
 
 #[test]
+fn what_registries_show_of_a_package_links_to_nothing_of_the_repository() {
+    let packages: Vec<_> = DOCUMENTS.into_iter().filter(|path| path.ends_with("/README.md")).collect();
+    assert_eq!(packages.len(), 4, "{packages:?}");
+    for path in packages {
+        let text = fs::read_to_string(root().join(path)).unwrap();
+        for target in link_targets(&text) {
+            assert!(target.contains("://") || target.starts_with('#'), "{path}: {target}");
+        }
+    }
+}
+
+#[test]
 fn links_and_headings_are_found_outside_of_code_only() {
     let text = "# A `b`, c_d!\n[e](f.md#g) and ![h](i.png), `[j](k)`\n```\n# l\n[m](n)\n```\n## 2. Two  (paper 1)\n[o\np](#q)\n";
     assert_eq!(link_targets(text), ["f.md#g", "i.png", "#q"]);
