@@ -252,6 +252,15 @@ fn every_make_target_that_a_document_or_a_workflow_names_is_in_the_makefile() {
 }
 
 #[test]
+fn continuous_integration_runs_every_check_that_takes_no_hour() {
+    let workflow = fs::read_to_string(root().join(".github/workflows/ci.yml")).unwrap();
+    let run = make_targets(&workflow);
+    for target in ["lint", "test", "test-python", "test-ray", "msrv", "features", "deny", "package"] {
+        assert!(run.contains(target), "make {target} is not in {run:?}");
+    }
+}
+
+#[test]
 fn the_book_begins_with_the_first_hour() {
     let summary = fs::read_to_string(root().join("docs/src/SUMMARY.md")).unwrap();
     assert_eq!(link_targets(&summary).first().map(String::as_str), Some("first_hour.md"));
