@@ -162,29 +162,26 @@ fn a_wall_that_is_not_where_the_map_has_it_is_blamed() {
 }
 
 #[test]
-fn most_beams_at_walls_narrow_the_boxes_and_a_false_share_is_seen_by_the_judge() {
-    let by_share = |share: Value| {
-        let mut scene = furnished(&[]);
-        scene.localizer.wall_ranges = serde_json::from_value(json!({ "wrong_share": share })).unwrap();
-        judged(&scene, 1)
-    };
-    let width_m = |record: &RunRecord| {
-        let widths =
-            record.estimates.iter().map(|estimate| estimate.pose.hull().width(0) + estimate.pose.hull().width(1));
-        widths.sum::<f64>() / record.estimates.len() as f64
-    };
-    let (by_none, _) = by_share(Value::Null);
-    let (by_most, verdict) = by_share(json!(0.6));
+fn beams_are_claimed_to_end_at_walls_and_the_judge_knows_which_do() {
+    let mut scene = furnished(&[]);
+    scene.localizer.wall_ranges = serde_json::from_value(json!({ "wrong_share": 0.6 })).unwrap();
+    let (record, verdict) = judged(&scene, 1);
     assert!(holds_the_truth(&verdict), "{:?}", verdict.containment);
-    assert!(width_m(&by_most) < width_m(&by_none), "{} {}", width_m(&by_most), width_m(&by_none));
-    // The claims are judged by the true walls: those of beams at walls are true, those at the shelf, the table and the person are not.
-    let claims = || by_most.images.iter().flat_map(|image| image.claims.iter().map(move |claim| (image, claim)));
-    let scene = furnished(&[]);
+    // Beams at walls are claimed rightly, those at the shelf, the table and the person are not. Errors of distances and walls are within the bounds
+    // that a claim allows for, so that no beam at a wall is missed: the room's far walls alone are more than half of what the scanner sees.
     let drawn = Drawn::draw(&scene, 1);
+    let claims = || record.images.iter().flat_map(|image| image.claims.iter().map(move |claim| (image, claim)));
     let n_true = claims().filter(|(image, claim)| is_true(claim, &scene, &drawn, &image.truth)).count();
     let share = n_true as f64 / claims().count() as f64;
-    assert!(share > 0.4 && share < 0.95, "{share}");
-    assert!(claims().all(|(_, claim)| matches!(claim, Claim::WallPoint { .. })));
+    assert!(share > 0.5 && share < 0.95, "{share}");
+    let farther = |claim: &Claim| match claim {
+        Claim::WallPoint { bearing_rad, distance_m, within_m } => {
+            Claim::WallPoint { bearing_rad: *bearing_rad, distance_m: distance_m + 0.3, within_m: *within_m }
+        }
+        other => panic!("{other:?}"),
+    };
+    let n_farther = claims().filter(|(image, claim)| is_true(&farther(claim), &scene, &drawn, &image.truth)).count();
+    assert!(5 * n_farther < n_true, "{n_farther} of {n_true} would be true 0.3 m farther");
 }
 
 #[test]

@@ -135,8 +135,8 @@ impl WallRanges {
         }
     }
 
-    /// The contractor by the beams of a scan, each with its bearing and its distance.
-    fn by_scan(&self, echoes: &[(f64, f64)]) -> ByScan {
+    /// The contractor by the beams of a scan, each with its bearing and its distance, for a union of so many boxes.
+    fn by_scan(&self, echoes: &[(f64, f64)], n_boxes: usize) -> ByScan {
         let (scanner, reach) = (&self.scanner, &self.robot.reach);
         let point = Interval::point;
         let shortened = |tilt_rad: f64| point(1.0) - Interval::new(0.0, tilt_rad).cos();
@@ -165,14 +165,18 @@ impl WallRanges {
                 shortened_m: (point(distance.hi()) * by_metre).hi(),
             }
         };
+        let beams = |each: usize, most_wrong: Option<usize>| Beams {
+            faces: self.faces.clone(),
+            placement_m: self.placement_m,
+            mount_m,
+            beams: echoes.iter().step_by(each).map(beam).collect(),
+            most_wrong,
+        };
         ByScan {
-            beams: Beams {
-                faces: self.faces.clone(),
-                placement_m: self.placement_m,
-                mount_m,
-                beams: echoes.iter().map(beam).collect(),
-                most_wrong: self.wrong_share.map(|share| share_of(share, echoes.len())),
-            },
+            beams: beams(1, self.wrong_share.map(|share| share_of(share, echoes.len()))),
+            few: beams(echoes.len().div_ceil(FEW_BEAMS), None),
+            is_sharp: n_boxes <= MOST_SHARP,
+            most_parts: MOST_PARTS / n_boxes.max(1),
             off: [moved.hi(), moved.hi(), turned.hi()],
         }
     }
@@ -187,7 +191,7 @@ impl Method for WallRanges {
         matches!(reading, Reading::Other { device, .. } if device == DEVICE)
     }
 
-    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
         let echoes: Vec<(f64, f64)> = Scan::of(numbers)?.echoes().collect();
         // A new drive may begin with an earlier stamp.
@@ -198,7 +202,7 @@ impl Method for WallRanges {
         // A declared share of wrong beams is one of all beams of a scan; among some of them the share may be greater.
         let each = if self.wrong_share.is_some() { 1 } else { echoes.len().div_ceil(MOST_BEAMS) };
         let used: Vec<(f64, f64)> = echoes.iter().copied().step_by(each).collect();
-        let by_scan = self.by_scan(&used);
+        let by_scan = self.by_scan(&used, context.prior.branches.len());
         let most_wrong = by_scan.beams.most_wrong;
         // Only where a share of wrong beams is declared does the constraint rest on what a beam has met.
         let claim = |&(bearing_rad, distance_m): &(f64, f64)| Claim::WallPoint {
@@ -218,8 +222,15 @@ impl Method for WallRanges {
 
 /// Width in metres and radians up to which a box of poses is contracted as a whole. A wider one is cut into parts.
 const WIDEST: f64 = 0.25;
-/// Greatest number of parts of a wide box that are contracted.
-const MOST_PARTS: usize = 400;
+/// Greatest width in metres and radians of a part of a wide box that is contracted.
+const WIDEST_PART: f64 = 1.0;
+/// Greatest number of parts, of all boxes of a union together, that wide boxes are cut into.
+const MOST_PARTS: usize = 64;
+/// Greatest number of boxes of a union that are contracted by all beams, repeatedly and by linear programs. Of more boxes each is contracted once by
+/// few beams, so that a lost robot does not wait for its localizer.
+const MOST_SHARP: usize = 4;
+/// Greatest number of beams by which parts of wide boxes and the boxes of large unions are contracted.
+const FEW_BEAMS: usize = 40;
 /// Width of a heading interval up to which a beam's end is linearised in the heading at once.
 const WIDEST_HEADING_RAD: f64 = 0.06;
 
@@ -229,6 +240,12 @@ const WIDEST_HEADING_RAD: f64 = 0.06;
 /// contract the box of the poses that the robot would have with the nominal mount, and each pose of the robot is within `off` of one of these.
 struct ByScan {
     beams: Beams,
+    /// Some of the beams, of which only the rule is used that they pass through no wall.
+    few: Beams,
+    /// Whether the union has so few boxes that each is contracted by all beams.
+    is_sharp: bool,
+    /// Greatest number of parts that a wide box is cut into.
+    most_parts: usize,
     /// Greatest difference of x, y and heading between the robot's pose and the pose that the robot would have with the nominal mount.
     off: [f64; 3],
 }
@@ -259,9 +276,8 @@ struct Narrow<'a>(&'a Beams);
 
 impl Contractor<3> for Narrow<'_> {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
-        // Of a box that is wider than the room, or of any heading, no beam's end is known well enough to say anything.
-        let is_worth_trying = domain.width(2) <= 4.0 * WIDEST;
-        let left = if is_worth_trying { self.0.contracted_by_slices(domain) } else { *domain };
+        // In a wider box no beam's end is known well enough to say anything.
+        let left = if domain.max_width() <= WIDEST_PART { self.0.pass(domain) } else { *domain };
         settle(domain, left, CAUSE)
     }
 }
@@ -278,13 +294,29 @@ impl Contractor<3> for ByScan {
         }
         let nominal = self.widened(domain);
         let parts = if domain.max_width() <= WIDEST {
-            vec![self.beams.contracted_by_slices(&nominal)]
+            vec![if self.is_sharp { self.beams.contracted_by_slices(&nominal) } else { self.few.pass(&nominal) }]
+        } else if self.most_parts > 1 {
+            clusters(paving::cover_at_most(&Narrow(&self.few), nominal, &[0, 1, 2], WIDEST, self.most_parts))
         } else {
-            paving::cover_at_most(&Narrow(&self.beams), nominal, &[0, 1, 2], WIDEST, MOST_PARTS)
+            vec![nominal]
         };
         let back = |part: &PoseBox| self.widened(part).intersect(domain);
         parts.iter().filter(|part| !part.is_empty()).map(back).filter(|part| !part.is_empty()).collect()
     }
+}
+
+/// Boxes around the given ones, of which no two meet.
+fn clusters(parts: Vec<PoseBox>) -> Vec<PoseBox> {
+    let mut apart: Vec<PoseBox> = Vec::new();
+    for part in parts {
+        let mut joined = part;
+        // A hull may meet boxes that none of its members meets.
+        while let Some(index) = apart.iter().position(|other| other.overlaps(&joined)) {
+            joined = joined.hull(&apart.swap_remove(index));
+        }
+        apart.push(joined);
+    }
+    apart
 }
 
 #[cfg(test)]

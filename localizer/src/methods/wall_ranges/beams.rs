@@ -162,7 +162,8 @@ impl Beams {
         is_in_front && from <= beside.lo() && beside.hi() <= to
     }
 
-    fn pass(&self, domain: &PoseBox) -> PoseBox {
+    /// The part of a box of poses that each beam by itself leaves.
+    pub(super) fn pass(&self, domain: &PoseBox) -> PoseBox {
         if domain.is_empty() {
             return IntervalBox::EMPTY;
         }
