@@ -134,6 +134,17 @@ pub struct BodyModel {
     pub clearance_m: f64,
 }
 
+impl BodyModel {
+    /// Greatest distance forward or left, seen from above, by which the body's lean may displace a point on the robot: a lean by φ shifts a point at
+    /// the height h by up to h·sin φ to any side, and foreshortens its lever arm b by up to |b|·(1 − cos φ).
+    pub(crate) fn most_leant_m(&self, position_m: [Interval; 2], height_m: f64) -> Interval {
+        let lean = Interval::new(0.0, self.tilt_rad);
+        let [forward, left] = position_m;
+        let lever = Interval::point(forward.magnitude()) + Interval::point(left.magnitude());
+        Interval::point(height_m) * lean.sin() + lever * (Interval::point(1.0) - lean.cos())
+    }
+}
+
 /// Greatest length of the Cayley vector tan(α/2)·axis of a tilt by an angle α up to the given one.
 pub fn cayley_radius(tilt_rad: f64) -> f64 {
     (Interval::point(tilt_rad) * 0.5).tan().hi()

@@ -148,8 +148,8 @@ fn walls_are_turned_to_the_bound_of_their_places_and_no_farther() {
 }
 
 #[test]
-fn a_wall_that_is_not_where_the_map_has_it_is_blamed() {
-    // The scanner measures 8 cm too far, where 1 cm is declared, by a distance that is drawn within 8 cm and told as 1 cm.
+fn beams_that_are_longer_than_declared_contradict_each_other() {
+    // The distances are all 8 cm too long, while the localizer is told that they are off by 1 cm at most.
     let mut scene = furnished(&[("/person", json!([]))]);
     scene.robot.errors = Distribution::Drift;
     scene.robot.scanner.as_mut().unwrap().tolerance_m = 0.08;

@@ -124,10 +124,7 @@ impl GnssPositions {
 
     /// How far the body's lean may displace the antenna forward or left, as an interval around 0.
     fn lean_m(&self) -> Interval {
-        let lean = Interval::new(0.0, self.robot.body.tilt_rad);
-        let [forward, left] = self.receiver.position_m;
-        let lever = Interval::point(forward.magnitude()) + Interval::point(left.magnitude());
-        let shift = Interval::point(self.receiver.height_m) * lean.sin() + lever * (Interval::point(1.0) - lean.cos());
+        let shift = self.robot.body.most_leant_m(self.receiver.position_m, self.receiver.height_m);
         Interval::new(-shift.hi(), shift.hi())
     }
 

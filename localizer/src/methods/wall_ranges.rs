@@ -147,13 +147,12 @@ impl WallRanges {
         let error_s = point(scanner.stamp_error_s);
         let turned =
             point((scanner.yaw_rad - point(nominal_rad)).magnitude()) + error_s * point(reach.turn_rate_rad_per_s);
-        // The true place of the scanner differs from the nominal one by the error of its mount; by the lean φ of the body, which moves it, at the
-        // height h, by up to h·sin φ to any side and foreshortens its lever arm s by up to |s|·(1 − cos φ); by the way within the error of the stamp;
-        // and because the nominal lever arm is turned with the scanner.
+        // The true place of the scanner differs from the nominal one by the error of its mount; by the lean of the body; by the way within the error
+        // of the stamp; and because the nominal lever arm is turned with the scanner.
         let lever = mount_m.iter().fold(Interval::ZERO, |sum, side_m| sum + point(side_m.abs()));
         let mounted = [0, 1].map(|axis| (scanner.position_m[axis] - point(mount_m[axis])).magnitude());
         let body_rad = self.robot.body.tilt_rad;
-        let leans = point(scanner.height_m) * Interval::new(0.0, body_rad).sin() + lever * shortened(body_rad);
+        let leans = self.robot.body.most_leant_m(scanner.position_m, scanner.height_m);
         let moved =
             point(mounted[0]).hypot(point(mounted[1])) + leans + error_s * point(reach.speed_m_per_s) + lever * turned;
         let by_metre = shortened(body_rad + scanner.tilt_rad);
