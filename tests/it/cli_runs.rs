@@ -166,6 +166,38 @@ fn a_marker_that_names_beginnings_takes_those_scenes_and_keeps_a_table_of_none()
 }
 
 #[test]
+fn a_marker_names_columns_and_a_csv_file_has_all_of_them() {
+    let folder = folder("marked_columns");
+    for name in ["left", "right"] {
+        fs::write(folder.join(format!("{name}.toml")), blind_scene(1.0, "")).unwrap();
+        let out = ["run", &format!("{name}.toml"), "--seeds", "0..2", "--out", name];
+        assert_eq!(outcome(&mut wherein(&folder, &out)).0, 0);
+    }
+    let page = |columns: &str| format!("<!-- results:begin --columns={columns} -->\n<!-- results:end -->\n");
+    fs::write(folder.join("page.md"), page("scene,checks,width")).unwrap();
+    let table = |run: &str| outcome(&mut wherein(&folder, &["table", run, "--into", "page.md", "--csv", "all.csv"]));
+    assert_eq!(table("left").0, 0);
+    let told = fs::read_to_string(folder.join("page.md")).unwrap();
+    assert!(told.contains("| scene | checks | width, mm |\n") && told.contains("| baseline |"), "{told}");
+    // Lines of other scenes stay in the CSV file, and those of the same scene are written anew.
+    assert_eq!(table("right").0, 0);
+    assert_eq!(table("right").0, 0);
+    let csv = fs::read_to_string(folder.join("all.csv")).unwrap();
+    let lines: Vec<&str> = csv.lines().map(|line| line.split(",2 seeds").next().unwrap()).collect();
+    assert!(lines[0].starts_with("line,scene,localizer,run,checks,") && lines[0].ends_with(",verdict"), "{csv}");
+    assert_eq!(
+        lines.iter().filter(|line| line.starts_with("runs,")).collect::<Vec<_>>(),
+        [&"runs,left,", &"runs,right,"]
+    );
+
+    fs::write(folder.join("page.md"), page("scene,check")).unwrap();
+    let (code, _, refusal) = table("left");
+    assert_eq!(code, 2);
+    assert!(refusal.contains("page.md") && refusal.contains("unknown column `check`"), "{refusal}");
+    assert_eq!(fs::read_to_string(folder.join("page.md")).unwrap(), page("scene,check"));
+}
+
+#[test]
 fn a_document_without_markers_is_refused_and_left_alone() {
     let folder = folder("markers");
     fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();

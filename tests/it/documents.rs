@@ -4,6 +4,8 @@ use std::{
     path::PathBuf,
 };
 
+use sim::campaign::cases::from_csv;
+
 use crate::{command::root, repository::pages};
 
 /// Documents for people outside of the book, as paths from the root of the repository.
@@ -143,32 +145,33 @@ fn the_readme_shows_one_picture_one_table_and_a_loop_in_python() {
     assert!(python.lines().count() <= 10, "{python}");
 }
 
+/// The lines of the book's file of all results, each with its cells by the name of the column.
+fn all_results() -> Vec<BTreeMap<String, String>> {
+    let (names, rows) = from_csv(&fs::read_to_string(root().join("docs/src/all_results.csv")).unwrap()).unwrap();
+    rows.into_iter().map(|row| names.iter().cloned().zip(row).collect()).collect()
+}
+
 #[test]
-fn the_readmes_table_has_the_figures_of_the_books_tables() {
-    let text = |path: &str| fs::read_to_string(root().join(path)).unwrap();
-    let book = text("docs/src/flat.md") + &text("docs/src/papers.md");
-    let book = table_rows(&book);
-    let readme = text("README.md");
+fn the_readmes_table_has_the_figures_of_all_results() {
+    let all = all_results();
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
     let rows = table_rows(&readme);
     assert!(rows.len() >= 5, "{rows:?}");
     for row in rows {
         let scene = row["scene"];
-        let mine = || book.iter().filter(|row| row.get("scene") == Some(&scene));
-        let all_seeds = |row: &&BTreeMap<&str, &str>| row.get("run").is_some_and(|run| run.ends_with("seeds"));
-        let run = mine().find(all_seeds).unwrap_or_else(|| panic!("{scene} has no row of all seeds in the book"));
-        let pair = |row: &BTreeMap<&str, &str>, one, other| format!("{} / {}", row[one], row[other]);
-        let odometry = mine().find(|row| row.get("baseline") == Some(&"odometry"));
+        let mine =
+            |line: &str| all.iter().filter(|row| row["scene"] == scene && row["line"] == line).collect::<Vec<_>>();
+        let run = mine("runs").into_iter().find(|row| row["run"].ends_with("seeds"));
+        let run = run.unwrap_or_else(|| panic!("{scene} has no row of all seeds"));
+        let odometry = mine("baseline").into_iter().find(|row| row["run"] == "odometry");
         let expected = [
             ("runs", run["run"].trim_end_matches(" seeds").to_owned()),
-            ("steps", run["checks"].to_owned()),
-            ("truth in the box, %", run["contained, %"].to_owned()),
-            ("error x / y, mm", pair(run, "rmse x, worst third, mm", "rmse y, worst third, mm")),
-            ("error heading, °", run["rmse heading, worst third, °"].to_owned()),
-            ("width, mm / °", pair(run, "width, mm", "width, °")),
-            (
-                "odometry x / y, mm",
-                odometry.map_or(String::new(), |row| pair(row, "rmse x, worst third, mm", "rmse y, worst third, mm")),
-            ),
+            ("steps", run["checks"].clone()),
+            ("truth in the box, %", run["contained"].clone()),
+            ("error x / y, mm", run["rmse"].clone()),
+            ("error heading, °", run["rmse_heading"].clone()),
+            ("width, mm / °", format!("{} / {}", run["width"], run["width_heading"])),
+            ("odometry x / y, mm", odometry.map_or(String::new(), |row| row["rmse"].clone())),
         ];
         assert_eq!(row.len(), expected.len() + 1);
         for (column, value) in expected {
@@ -177,18 +180,33 @@ fn the_readmes_table_has_the_figures_of_the_books_tables() {
     }
 }
 
-/// A document's text without the tables that `wherein table` writes, whose columns are those of the command.
-fn without_results(text: &str) -> String {
-    let mut pieces = text.split("<!-- results:begin");
-    let first = pieces.next().unwrap_or_default().to_owned();
-    pieces.fold(first, |text, piece| text + piece.split_once("<!-- results:end -->").map_or("", |(_, after)| after))
+/// The tables of the book are excerpts of the file with all results, so that whoever runs some of the experiments anew cannot forget one of the two.
+#[test]
+fn the_books_tables_of_results_are_of_all_results() {
+    let all = all_results();
+    let mut n_rows = 0;
+    for page in ["docs/src/flat.md", "docs/src/papers.md"] {
+        let page = fs::read_to_string(root().join(page)).unwrap();
+        for piece in page.split("<!-- results:begin").skip(1) {
+            let block = piece.split("<!-- results:end -->").next().unwrap();
+            for row in table_rows(block) {
+                let run = ["run", "method", "baseline"].iter().find_map(|name| row.get(name)).unwrap();
+                let is_of = |one: &&BTreeMap<String, String>| one["scene"] == row["scene"] && one["run"] == **run;
+                let found = all.iter().find(is_of).unwrap_or_else(|| panic!("{row:?} is not among all results"));
+                assert!(row.values().all(|cell| found.values().any(|value| value == cell)), "{row:?}, {found:?}");
+                n_rows += 1;
+            }
+        }
+    }
+    let n_runs = all.iter().filter(|one| one["line"] == "runs").count();
+    assert!(n_rows >= n_runs, "{n_rows} rows of {n_runs} scenes");
 }
 
 #[test]
 fn tables_for_people_have_at_most_eight_columns() {
     let mut n_rows = 0;
     for (document, text) in documents() {
-        for line in without_results(&text).lines().map(str::trim).filter(|line| line.starts_with('|')) {
+        for line in text.lines().map(str::trim).filter(|line| line.starts_with('|')) {
             let n_columns = line.replace("\\|", "").matches('|').count() - 1;
             assert!(n_columns <= 8, "{}: {line}", document.display());
             n_rows += 1;
@@ -199,7 +217,7 @@ fn tables_for_people_have_at_most_eight_columns() {
 
 /// The sentences of a document with at least eight words, links reduced to their text.
 fn sentences(text: &str) -> BTreeSet<String> {
-    let paragraphs = without_code(&without_results(text)).replace("\n- ", "\n\n");
+    let paragraphs = without_code(text).replace("\n- ", "\n\n");
     let mut sentences = BTreeSet::new();
     for paragraph in paragraphs.split("\n\n").filter(|paragraph| !paragraph.trim_start().starts_with(['|', '<', '#'])) {
         let words: Vec<&str> = paragraph.split_whitespace().collect();

@@ -10,14 +10,16 @@ use crate::{
 };
 
 mod columns;
+mod csv_file;
 mod layout;
 mod pool;
 mod shown;
 
 pub(crate) use pool::{Moments, methods, pool, pooled};
 
+pub use csv_file::as_csv;
 pub use layout::{as_markdown, as_text};
-pub use shown::{MOST_COLUMNS, Shown};
+pub use shown::{MOST_COLUMNS, Shown, UnknownColumn};
 
 /// Beginning of the line of a document below which a results table stands. Between this text and `-->` the line may list beginnings of the names of
 /// scenes that the table shows, and options.

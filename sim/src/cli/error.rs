@@ -6,7 +6,12 @@ use std::{
 };
 
 use crate::{
-    artefacts::{log::LogError, replay::ReplayError, result_table, run_files::RecordError},
+    artefacts::{
+        log::LogError,
+        replay::ReplayError,
+        result_table::{self, UnknownColumn},
+        run_files::RecordError,
+    },
     campaign::{
         board::BoardError, comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError,
     },
@@ -63,6 +68,8 @@ pub(super) enum CommandError {
     TooManyTests { path: PathBuf, n_cases: usize, most: usize },
     #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), result_table::BEGIN, result_table::END)]
     NoMarkers(PathBuf),
+    #[error("put a table into {}: {source}", document.display())]
+    Marker { document: PathBuf, source: UnknownColumn },
     #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]
     SeveralScenes { path: PathBuf, count: usize },
     #[error(

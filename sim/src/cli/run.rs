@@ -54,7 +54,7 @@ pub(super) struct RunArguments {
     film: bool,
     /// Columns of the printed table: all, or names with commas between them, such as run,checks,speed. Without this option those that a reader
     /// needs first, eight at most.
-    #[arg(long, value_name = "NAMES", conflicts_with = "json")]
+    #[arg(long, value_name = "NAMES", conflicts_with = "json", value_parser = Shown::of_result_table)]
     columns: Option<Shown>,
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]

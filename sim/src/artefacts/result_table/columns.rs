@@ -33,7 +33,7 @@ const fn number(name: &'static str, heading: &'static str, unit: &'static str, c
 /// error squared of a localizer that states distributions, "in 3σ" the share of steps with the truth within three standard deviations along x, y and heading,
 /// "3σ" the full width of that region. A method's "of position" and "of
 /// heading" are its shares of all the times that methods halved the box's widths.
-pub(super) const COLUMNS: [Column; 34] = [
+pub(super) const COLUMNS: [Column; 33] = [
     text("scene", "scene", |line| line.scene.clone()),
     text("localizer", "localizer", |line| line.subject.clone()),
     text("run", RUN, |line| line.run.clone()),
@@ -42,8 +42,9 @@ pub(super) const COLUMNS: [Column; 34] = [
     number("bound_broken", "bound broken", "", |line| show(line, "containment.bound_broken", 1.0, 0)),
     number("perception", "perception", "", |line| show(line, "containment.perception", 1.0, 0)),
     number("unsound", "unsound", "", |line| show(line, "containment.unsound", 1.0, 0)),
-    number("rmse_x", "rmse x, worst third", "mm", |line| show(line, "error.x_m.rmse_worst_third", 1e3, 2)),
-    number("rmse_y", "rmse y, worst third", "mm", |line| show(line, "error.y_m.rmse_worst_third", 1e3, 2)),
+    number("rmse", "rmse x / y, worst third", "mm", |line| {
+        pair(["x_m", "y_m"].map(|axis| show(line, &format!("error.{axis}.rmse_worst_third"), 1e3, 2)))
+    }),
     number("rmse_heading", "rmse heading, worst third", "°", |line| {
         show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)
     }),
@@ -76,7 +77,7 @@ pub(super) const COLUMNS: [Column; 34] = [
 
 /// Names of columns in the order in which they are chosen where a table has room for some only: what runs came to, and then how. Those of methods and
 /// of baselines follow.
-pub(super) const FIRST: [&str; 25] = [
+pub(super) const FIRST: [&str; 24] = [
     "scene",
     "run",
     "verdict",
@@ -92,11 +93,10 @@ pub(super) const FIRST: [&str; 25] = [
     "width_3_sigma",
     "width_3_sigma_heading",
     "collisions",
+    "rmse",
     "goals",
-    "available",
-    "rmse_x",
-    "rmse_y",
     "rmse_heading",
+    "available",
     "readings",
     "fixes",
     "of_position",
@@ -122,6 +122,11 @@ fn show(line: &Line, figure: &str, scale: f64, digits: usize) -> String {
 fn goals_reached(figures: &Figures) -> Option<f64> {
     let (reached, errands) = (figures.get("metrics.goals_reached")?, figures.get("metrics.errands")?);
     (*errands > 0.0).then(|| reached / errands)
+}
+
+/// Two figures in one cell.
+fn pair([first, second]: [String; 2]) -> String {
+    if first.is_empty() && second.is_empty() { String::new() } else { format!("{first} / {second}") }
 }
 
 /// |Error| of the middle of the estimate's box over half the box's width along an axis, after the first 5 s: the greatest ratio, and the ratio that

@@ -1,7 +1,5 @@
 //! Which columns of the result table are shown.
 
-use std::str::FromStr;
-
 use thiserror::Error;
 
 use super::columns::{COLUMNS, FAULTS, FIRST};
@@ -9,7 +7,7 @@ use super::columns::{COLUMNS, FAULTS, FIRST};
 /// Greatest number of columns of a table of which nobody asked for more.
 pub const MOST_COLUMNS: usize = 8;
 
-/// The columns of the result table that are shown.
+/// The columns that are shown of a table whose columns have names and an order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Shown {
     /// The columns that a reader needs first, [`MOST_COLUMNS`] at most.
@@ -23,29 +21,35 @@ pub enum Shown {
 
 /// The name of no column.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("unknown column `{unknown}`, expected all, or some of {} with commas between them", names())]
+#[error("unknown column `{unknown}`, expected all, or some of {} with commas between them", names.join(", "))]
 pub struct UnknownColumn {
     unknown: String,
+    names: Vec<String>,
 }
 
-impl FromStr for Shown {
-    type Err = UnknownColumn;
+impl Shown {
+    /// Reads `all`, or names of columns of the result table with commas between them.
+    pub fn of_result_table(text: &str) -> Result<Shown, UnknownColumn> {
+        Shown::among(text, &COLUMNS.map(|column| column.name))
+    }
 
-    fn from_str(text: &str) -> Result<Shown, UnknownColumn> {
+    /// Reads `all`, or names of columns with commas between them, for a table with columns of these names.
+    pub fn among(text: &str, names: &[&str]) -> Result<Shown, UnknownColumn> {
         if text == "all" {
             return Ok(Shown::All);
         }
         let index = |name: &str| {
-            let found = COLUMNS.iter().position(|column| column.name == name);
-            found.ok_or_else(|| UnknownColumn { unknown: name.to_owned() })
+            let found = names.iter().position(|column| *column == name);
+            found.ok_or_else(|| UnknownColumn {
+                unknown: name.to_owned(),
+                names: names.iter().map(|&name| name.to_owned()).collect(),
+            })
         };
         Ok(Shown::These(text.split(',').map(str::trim).map(index).collect::<Result<_, _>>()?))
     }
-}
 
-impl Shown {
-    /// The indices of the columns that are shown of a table with these rows, and how many more have a cell with a text. A column that is `apart`
-    /// stands outside of the table and is not counted.
+    /// The indices of the columns that are shown of a result table with these rows, and how many more have a cell with a text. A column that is
+    /// `apart` stands outside of the table and is not counted.
     pub(super) fn columns(&self, rows: &[Vec<String>], apart: Option<usize>) -> (Vec<usize>, usize) {
         let is_filled = |column: &usize| Some(*column) != apart && rows.iter().any(|row| !row[*column].is_empty());
         let filled: Vec<usize> = (0..COLUMNS.len()).filter(is_filled).collect();
@@ -69,11 +73,6 @@ impl Shown {
         let n_more = filled.len() - chosen.len();
         (chosen, n_more)
     }
-}
-
-/// The names of all columns.
-fn names() -> String {
-    COLUMNS.iter().map(|column| column.name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -108,10 +107,10 @@ mod tests {
         let of_boxes = ["localizer", "in_3_sigma", "nees", "width_3_sigma", "width_3_sigma_heading"];
         let mut clean = row(&of_boxes);
         FAULTS.iter().for_each(|name| clean[index(name)] = "0".to_owned());
-        let expected = ["run", "contained", "unsound", "width", "width_heading", "available", "goals", "verdict"];
+        let expected = ["run", "contained", "unsound", "rmse", "width", "width_heading", "goals", "verdict"];
         assert_eq!(usual(clean.clone(), Some(index("scene"))), expected);
         clean[index("perception")] = "3".to_owned();
-        let expected = ["run", "contained", "perception", "unsound", "width", "width_heading", "goals", "verdict"];
+        let expected = ["run", "contained", "perception", "unsound", "rmse", "width", "width_heading", "verdict"];
         assert_eq!(usual(clean, Some(index("scene"))), expected);
     }
 
@@ -124,13 +123,13 @@ mod tests {
             Shown::All.columns(&rows, None),
             ((0..COLUMNS.len()).filter(|at| *at != index("checks")).collect(), 0)
         );
-        let named: Shown = "speed, run".parse().unwrap();
+        let named = Shown::of_result_table("speed, run").unwrap();
         assert_eq!(named.columns(&rows, None), (vec![index("speed"), index("run")], n_filled - 2));
     }
 
     #[test]
     fn the_name_of_no_column_is_refused_with_those_that_there_are() {
-        let refusal = "run,widht".parse::<Shown>().unwrap_err().to_string();
+        let refusal = Shown::of_result_table("run,widht").unwrap_err().to_string();
         assert!(refusal.contains("`widht`") && refusal.contains("width_heading, at_fix"), "{refusal}");
     }
 }
