@@ -4,7 +4,7 @@ use std::{ops::Range, path::PathBuf};
 
 use pyo3::{IntoPyObjectExt, exceptions::PyValueError, prelude::*, types::PyDict};
 use sim::{
-    artefacts::{machine::cores, run_files},
+    artefacts::{machine::cores, result_table::Shown, run_files},
     campaign::{
         cases::{CaseResult, Cell, Results, Table},
         comparison::{Demand, Finding, Side, as_text, compare as compare_sides},
@@ -103,7 +103,7 @@ pub(crate) fn run_sweep(
             return Ok(None);
         }
         let results = Results::of_sweep(&begun.out, begun.plan, &|_| true);
-        report::write(&results, &begun.out)?;
+        report::write(&results, &Shown::Usual, &begun.out)?;
         Ok(Some(results))
     })?;
     columns(py, &results)
@@ -121,7 +121,7 @@ pub(crate) fn report_folder(py: Python<'_>, folder: PathBuf, junit: Option<PathB
             "failed to find results in {folder}: expected summary.json files of runs, or a sweep"
         )));
     }
-    report::write(&results, &folder).map_err(|error| errors::of_record(&error))?;
+    report::write(&results, &Shown::Usual, &folder).map_err(|error| errors::of_record(&error))?;
     if let Some(path) = junit {
         let text = to_junit(&results).map_err(|error| WhereinError::new_err(error.to_string()))?;
         write_whole(&path, text.as_bytes()).map_err(|error| errors::of_record(&error))?;

@@ -95,8 +95,7 @@ fn the_numbers_of_the_page_and_of_the_summary_are_those_of_the_csv() {
         let width_m = number(row, "width.x_m.mean").max(number(row, "width.y_m.mean"));
         assert_eq!(told[5], format!("{:.1}", 1e3 * width_m));
         assert_eq!(told[6], format!("{:.2}", 1e3 * number(row, "error.position_m.mean")));
-        assert_eq!(told[7], percent(number(row, "availability")));
-        assert_eq!(told[8], row["blame"]);
+        assert_eq!(told[7], row["blame"]);
     }
     let markdown = read(&folder, "out/summary.md");
     // Both seeds of a combination run equally long, so that the combination's figures are plain means of the two rows.
@@ -114,6 +113,32 @@ fn the_numbers_of_the_page_and_of_the_summary_are_those_of_the_csv() {
         let line = format!("| {} | {} | {passed} | {} |\n", keys[0], keys[1], figures.join(" | "));
         assert!(markdown.contains(&line), "`{line}` is missing in:\n{markdown}");
     }
+}
+
+#[test]
+fn tables_for_people_have_eight_columns_and_others_by_name() {
+    let (folder, printed) = swept("report_columns_chosen", &["--columns", "goals,available"]);
+    let headings =
+        |summary: &str| summary.lines().find(|line| line.starts_with("| ")).unwrap().matches('|').count() - 1;
+    let html = read(&folder, "out/report.html");
+    // Two keys and how many passed, then the two figures that were asked for; a drive without errands has no share of goals reached.
+    assert_eq!(table(&html, "combinations")[0].len(), 5);
+    assert_eq!(table(&html, "all_figures")[0].len(), 7);
+    assert_eq!(table(&html, "combinations")[0][3], "");
+    assert!(printed.contains("--columns all shows"), "{printed}");
+    assert_eq!(headings(&read(&folder, "out/summary.md")), 5);
+    let again = |columns: &[&str]| outcome(&mut wherein(&folder, &[&["report", "out"], columns].concat()));
+    assert_eq!(again(&["--columns", "all"]).0, 1);
+    assert!(
+        headings(&read(&folder, "out/summary.md")) == 7 && !read(&folder, "out/report.html").contains("all_figures")
+    );
+    assert_eq!(again(&[]).0, 1);
+    assert!(headings(&read(&folder, "out/summary.md")) <= 8);
+    let html = read(&folder, "out/report.html");
+    assert!(["combinations", "cases"].iter().all(|id| table(&html, id)[0].len() <= 8), "{html}");
+    let (code, _, refusal) = again(&["--columns", "width,eror"]);
+    assert_eq!(code, 2);
+    assert!(refusal.contains("unknown column `eror`") && refusal.contains("contained, width, error"), "{refusal}");
 }
 
 #[test]

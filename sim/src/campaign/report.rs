@@ -2,6 +2,7 @@
 //!
 //! One [`Overview`] serves the terminal, the Markdown summary and the HTML page, so that they cannot differ.
 
+mod chosen;
 mod corridor;
 mod costs;
 mod diagram;
@@ -17,6 +18,7 @@ mod sketched;
 mod steps;
 mod text;
 
+pub use chosen::shown_figures;
 pub use files::write;
 pub use markdown::as_markdown;
 pub use measure::{MEASURES, Measure};

@@ -21,7 +21,7 @@ use std::{
 
 use crate::{
     artefacts::{
-        result_table::pooled,
+        result_table::{Shown, pooled},
         run_files::{RecordError, naming},
     },
     campaign::{
@@ -231,6 +231,7 @@ impl Sketch {
             groups,
             worst: of_kept.worst,
             sketched: Some(sketched),
+            shown: Shown::Usual,
         };
         (overview, results)
     }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    artefacts::run_files::naming,
+    artefacts::{result_table::Shown, run_files::naming},
     campaign::{
         cases::Results,
         junit::to_junit,
@@ -25,7 +25,7 @@ pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> R
     if results.cases.is_empty() {
         return Err(CommandError::NoResults(folder.to_owned()));
     }
-    let overview = report::write(results, folder)?;
+    let overview = report::write(results, &shown(outputs), folder)?;
     write_junit(results, outputs.junit.as_ref())?;
     print(&as_text(&overview, results))?;
     print(&format!("Recorded in {}: report.html, results.csv, summary.md\n", folder.display()))?;
@@ -54,7 +54,7 @@ pub(super) fn conclude_sweep(
 
 /// Writes the files of a part without cases, so that it can be merged and reported on like the other parts.
 fn conclude_without_cases(results: &Results, folder: &Path, outputs: &Outputs) -> Result<ExitCode, CommandError> {
-    report::write(results, folder)?;
+    report::write(results, &shown(outputs), folder)?;
     write_junit(results, outputs.junit.as_ref())?;
     let n_cases = results.plan.as_ref().map_or(0, |plan| plan.cases.len());
     print(&format!("This shard has no cases, as the sweep has {n_cases} only\n"))?;
@@ -74,6 +74,7 @@ pub(super) fn conclude_sketch(
         return Err(CommandError::NoResults(folder.to_owned()));
     }
     let (overview, results) = sketch.finish(plan);
+    let overview = Overview { shown: shown(outputs), ..overview };
     sketch::write(&overview, &results, folder)?;
     print(&as_text(&overview, &results))?;
     print(&format!("Recorded in {}: report.html, summary.md\n", folder.display()))?;
@@ -82,6 +83,11 @@ pub(super) fn conclude_sketch(
         Some(path) => Err(CommandError::TooManyTests { path: path.clone(), n_cases, most: MOST_WHOLE }),
         None => Ok(exit_code(&overview)),
     }
+}
+
+/// The figures that the tables of a report have.
+fn shown(outputs: &Outputs) -> Shown {
+    outputs.columns.clone().unwrap_or_default()
 }
 
 /// Writes the results as JUnit XML if the user has named a file for it.

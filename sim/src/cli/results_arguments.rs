@@ -5,8 +5,10 @@ use std::{num::NonZeroUsize, path::PathBuf};
 use clap::Args;
 
 use crate::{
+    artefacts::result_table::Shown,
     campaign::{
         comparison::{CONFIDENCE, TOLERANCE},
+        report::shown_figures,
         sweep::{Seeds, Shard, Variable},
     },
     run::FramesPolicy,
@@ -105,6 +107,10 @@ pub(super) struct Outputs {
     /// Write the results as JUnit XML into this file, too.
     #[arg(long, value_name = "FILE")]
     pub(super) junit: Option<PathBuf>,
+    /// Figures that the report's tables have of each combination: all, or names with commas between them, such as contained,width,error. Without this
+    /// option as many as have room in eight columns.
+    #[arg(long, value_name = "NAMES", value_parser = shown_figures)]
+    pub(super) columns: Option<Shown>,
 }
 
 const COMPARE_AFTER_HELP: &str = "\

@@ -22,34 +22,22 @@ pub(super) struct Cost {
 }
 
 /// Headings of the table, after those of scene and localizer.
-pub(super) const HEADINGS: [&str; 11] = [
-    "runs",
-    "RMSE, mm",
-    "RMSE heading, °",
-    "NEES",
-    "mean NEES in corridor, %",
-    "truth held, %",
-    "width, mm",
-    "width, °",
-    "per reading, ms",
-    "age, ms",
-    "goals, %",
-];
+pub(super) const HEADINGS: [&str; 6] =
+    ["RMSE, mm, °", "NEES, in corridor, %", "truth held, %", "width, mm, °", "per reading, age, ms", "goals, %"];
 
 /// Headings of the table of calibration, after those of scene and localizer.
-pub(super) const CALIBRATION: [&str; 7] =
-    ["50 %", "90 %", "95 %", "99 %", "99.7 %", "width of 95 %, mm", "width of 95 %, °"];
+pub(super) const CALIBRATION: [&str; 6] = ["50 %", "90 %", "95 %", "99 %", "99.7 %", "width of 95 %, mm, °"];
 
 /// Sentence that explains the table of calibration.
 pub(super) const CALIBRATION_NOTE: &str = "How often the truth was in the region that the localizer says holds it at so many percent, in percent of the \
     steps; and the mean full width of the interval that holds 95 % along an axis, for the wider of x and y, and for the heading.";
 
 /// Sentences that explain the table.
-pub(super) const NOTE: &str = "RMSE: root mean square distance of the stated position (middle of the boxes, mean of a distribution). NEES: normalised error \
-    squared, 3 where the stated covariance is right, more where it is overconfident. Mean NEES in corridor: share of the whole seconds at which the mean \
-    over the runs is where 95 % of right filters have it. Truth held: share of steps with the truth in the boxes, or within 3σ along x, y and heading at \
-    once. Width: mean full width of the box or of 3σ, the wider of x and y. Age: mean age of the newest reading \
-    in the answer, where the localizer tells it.";
+pub(super) const NOTE: &str = "RMSE: root mean square distance of the stated position (middle of the boxes, mean of a distribution), and that of the \
+    heading. NEES: normalised error squared, 3 where the stated covariance is right, more where it is overconfident. In corridor: share of the whole \
+    seconds at which the mean over several runs is where 95 % of right filters have it. Truth held: share of steps with the truth in the boxes, or within \
+    3σ along x, y and heading at once. Width: mean full width of the box or of 3σ, the wider of x and y, and that of the heading. Per reading: mean time \
+    that a reading took. Age: mean age of the newest reading in the answer, where the localizer tells it.";
 
 /// The lines of the table; empty unless a localizer states distributions or several localizers ran.
 pub(super) fn costs(results: &Results) -> Vec<Cost> {
@@ -82,17 +70,13 @@ fn cost((scene, subject): (String, String), cases: &[&CaseResult]) -> (Cost, boo
     let heading = |name: &str| figure(name).map(f64::to_degrees);
     let region = "distribution.region_3_sigma";
     let shown = |value: Option<f64>, digits: usize| value.map(|value| format!("{value:.digits$}")).unwrap_or_default();
+    let heading_width = heading("width.heading_rad.mean").or_else(|| heading(&format!("{region}.heading_rad.mean")));
     let cells = [
-        cases.len().to_string(),
-        shown(position_m().map(|m| 1e3 * m), 1),
-        shown(heading("error.heading_rad.rmse"), 3),
-        shown(figure("distribution.nees.mean"), 1),
-        shown(share(in_corridor_share(cases)), 0),
+        both(shown(position_m().map(|m| 1e3 * m), 1), shown(heading("error.heading_rad.rmse"), 3)),
+        both(shown(figure("distribution.nees.mean"), 1), shown(share(in_corridor_share(cases)), 0)),
         held(figure("containment.contained_share").or_else(|| figure("distribution.within_3_sigma_share"))),
-        shown(wider("width").or_else(|| wider(region)).map(|m| 1e3 * m), 1),
-        shown(heading("width.heading_rad.mean").or_else(|| heading(&format!("{region}.heading_rad.mean"))), 2),
-        shown(per_reading_ms, 3),
-        shown(figure("latency_s.mean").map(|age_s| 1e3 * age_s), 1),
+        both(shown(wider("width").or_else(|| wider(region)).map(|m| 1e3 * m), 1), shown(heading_width, 2)),
+        both(shown(per_reading_ms, 3), shown(figure("latency_s.mean").map(|age_s| 1e3 * age_s), 1)),
         shown(share(goals()), 0),
     ];
     let within = |percent: &str| shown(share(figure(&format!("distribution.calibration.within_{percent}"))), 1);
@@ -100,10 +84,15 @@ fn cost((scene, subject): (String, String), cases: &[&CaseResult]) -> (Cost, boo
     let calibration = figure("distribution.checks").map(|_| {
         let [half, most, more, nearly, all] = ["50", "90", "95", "99", "99_7"].map(within);
         let width_mm = shown(wider(region).map(|m| 1e3 * m), 1);
-        [half, most, more, nearly, all, width_mm, shown(heading(&format!("{region}.heading_rad.mean")), 2)]
+        [half, most, more, nearly, all, both(width_mm, shown(heading(&format!("{region}.heading_rad.mean")), 2))]
     });
     let is_distribution = calibration.is_some();
     (Cost { scene, subject, cells, calibration }, is_distribution)
+}
+
+/// Two figures in one cell, of which either may be missing.
+fn both(first: String, second: String) -> String {
+    [first, second].into_iter().filter(|figure| !figure.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
 /// A share in percent that reads 100 only when it is complete.

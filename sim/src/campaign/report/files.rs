@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::{
-    artefacts::run_files::RecordError,
+    artefacts::{result_table::Shown, run_files::RecordError},
     campaign::{
         cases::{Results, Table, to_csv},
         sweep::write_whole,
@@ -12,9 +12,10 @@ use crate::{
 
 use super::{Overview, as_html, as_markdown};
 
-/// Writes the report on results into `folder`: results.csv, report.html, summary.md, and results.parquet where the program was built with that.
-pub fn write(results: &Results, folder: &Path) -> Result<Overview, RecordError> {
-    let overview = Overview::of(results);
+/// Writes the report on results into `folder`: results.csv, report.html, summary.md, and results.parquet where the program was built with that. The
+/// tables of report.html and summary.md have the figures that are `shown`, results.csv and results.parquet have all.
+pub fn write(results: &Results, shown: &Shown, folder: &Path) -> Result<Overview, RecordError> {
+    let overview = Overview { shown: shown.clone(), ..Overview::of(results) };
     let table = Table::of(results);
     write_whole(&folder.join("results.csv"), to_csv(&table).as_bytes())?;
     #[cfg(feature = "parquet")]

@@ -3,7 +3,8 @@
 use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{
-    Group, Overview,
+    Overview,
+    chosen::Combinations,
     costs::{CALIBRATION, HEADINGS, costs},
     text::{broken_bounds, first_outside},
 };
@@ -51,27 +52,19 @@ pub fn as_markdown(overview: &Overview, results: &Results) -> String {
 }
 
 fn table(overview: &Overview) -> String {
-    let mut headings: Vec<String> = Vec::new();
-    headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
-    headings.extend(overview.has_subjects.then(|| "localizer".to_owned()));
-    headings.extend(overview.keys.iter().cloned());
-    headings.push("passed".to_owned());
-    headings.extend(overview.measures().map(|measure| format!("{}, {}", measure.name, measure.unit)));
+    let Combinations { headings, n_labels, rows, n_left_out } = overview.combinations();
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let row = |group: &Group| {
-        let mut cells: Vec<String> = Vec::new();
-        cells.extend(overview.has_scenes.then(|| inline(&group.scene)));
-        cells.extend(overview.has_subjects.then(|| inline(&group.subject)));
-        cells.extend(overview.keys.iter().map(|key| inline(&group.value(key))));
-        cells.push(format!("{}/{}", group.n_passed, group.n_cases));
-        cells.extend(overview.measures().map(|measure| measure.of(&group.figures)));
-        line(cells)
-    };
     let rule = headings.iter().map(|_| "--:".to_owned()).collect();
     let mut text = line(headings) + &line(rule);
-    text.extend(overview.groups.iter().take(MOST_GROUPS).map(row));
+    for mut row in rows.into_iter().take(MOST_GROUPS) {
+        row.iter_mut().take(n_labels).for_each(|label| *label = inline(label));
+        text += &line(row);
+    }
     if overview.groups.len() > MOST_GROUPS {
         text += &format!("\nand {} combinations more\n", overview.groups.len() - MOST_GROUPS);
+    }
+    if n_left_out > 0 {
+        text += &format!("\n{n_left_out} more figures of each line are shown with `--columns all`.\n");
     }
     text
 }

@@ -5,7 +5,9 @@ use crate::judge::figures::Figures;
 /// A numerical result as a report shows it, with a name, a unit and an explanation for people.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// Name of the shown result.
+    /// Name of the shown result on the command line.
+    pub key: &'static str,
+    /// Name of the shown result in tables.
     pub name: &'static str,
     /// Unit of the shown result.
     pub unit: &'static str,
@@ -21,6 +23,7 @@ pub struct Measure {
 /// ratio of error to half width, normalised error and calibration of distributions, and goals reached on errands.
 pub const MEASURES: [Measure; 13] = [
     Measure {
+        key: "contained",
         name: "contained",
         unit: "%",
         meaning: "share of steps of 10 ms with the truth in the box",
@@ -28,6 +31,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "width",
         name: "width",
         unit: "mm",
         meaning: "mean full width of the box, the wider of x and y",
@@ -38,6 +42,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 1,
     },
     Measure {
+        key: "error",
         name: "error",
         unit: "mm",
         meaning: "mean distance from the midpoint of the box to the truth",
@@ -45,6 +50,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "available",
         name: "available",
         unit: "%",
         meaning: "share of steps that are sound, hold the truth and are narrower than the scene declares",
@@ -52,6 +58,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "power_x",
         name: "x error / half",
         unit: "max after 5 s",
         meaning: "greatest error along x over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
@@ -59,6 +66,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "power_x_often",
         name: "x error / half",
         unit: "99.9 % after 5 s",
         meaning: "what one step in a thousand exceeds of the error along x over half the width after 5 s, in the run where that is greatest",
@@ -66,6 +74,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "power_y",
         name: "y error / half",
         unit: "max after 5 s",
         meaning: "greatest error along y over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
@@ -73,6 +82,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "power_y_often",
         name: "y error / half",
         unit: "99.9 % after 5 s",
         meaning: "what one step in a thousand exceeds of the error along y over half the width after 5 s, in the run where that is greatest",
@@ -80,6 +90,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "power_heading",
         name: "heading error / half",
         unit: "max after 5 s",
         meaning: "greatest error along heading over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
@@ -87,6 +98,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "power_heading_often",
         name: "heading error / half",
         unit: "99.9 % after 5 s",
         meaning: "what one step in a thousand exceeds of the error along heading over half the width after 5 s, in the run where that is greatest",
@@ -94,6 +106,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "nees",
         name: "NEES",
         unit: "mean",
         meaning: "mean normalised error squared of the stated distribution: 3 is right, more is overconfident",
@@ -101,6 +114,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 1,
     },
     Measure {
+        key: "in_3_sigma",
         name: "in 3σ",
         unit: "%",
         meaning: "share of steps with the truth within three stated standard deviations along x, y and heading",
@@ -108,6 +122,7 @@ pub const MEASURES: [Measure; 13] = [
         digits: 2,
     },
     Measure {
+        key: "goals",
         name: "goals",
         unit: "%",
         meaning: "share of the errands' goals that were reached",
@@ -123,6 +138,11 @@ impl Measure {
     /// Whether the result says how much of the boxes the errors use, which few readers need first.
     pub(super) fn is_detail(&self) -> bool {
         self.name.ends_with("/ half")
+    }
+
+    /// Name and unit of the shown result, as the heading of a column.
+    pub(super) fn heading(&self) -> String {
+        format!("{}, {}", self.name, self.unit)
     }
 
     /// Formats a value of the shown result. A share is shown as 100 % only when it is complete.

@@ -2,7 +2,7 @@
 
 use super::{MEASURES, Measure, Sketched};
 use crate::{
-    artefacts::result_table::pool,
+    artefacts::result_table::{Shown, pool},
     campaign::cases::{CaseResult, Results},
     judge::{figures::Figures, honesty},
     loading::Setting,
@@ -33,6 +33,8 @@ pub struct Overview {
     pub worst: Vec<usize>,
     /// How the figures spread over the cases, where these are too many to be kept: the results then have the worst ones only.
     pub sketched: Option<Sketched>,
+    /// The figures that the tables of the report show.
+    pub shown: Shown,
 }
 
 /// The cases of all seeds of one combination of scene, localizer and settings.
@@ -81,6 +83,7 @@ impl Overview {
             groups,
             worst,
             sketched: None,
+            shown: Shown::Usual,
         }
     }
 

@@ -5,13 +5,18 @@ use std::collections::BTreeSet;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
-    artefacts::{log::log_text, result_table},
+    artefacts::{
+        log::log_text,
+        result_table::{self, Shown},
+    },
     campaign::cases::{CaseResult, Replay, Results},
     judge::{Judgement, figures::Figures},
 };
 
 use super::{
-    Overview, corridor,
+    Overview,
+    chosen::Combinations,
+    corridor,
     costs::{CALIBRATION, CALIBRATION_NOTE, Cost, HEADINGS, NOTE, costs},
     diagram::Diagram,
     heatmap::heatmaps,
@@ -235,24 +240,31 @@ fn log_of(case: &CaseResult) -> Option<String> {
 }
 
 fn groups(overview: &Overview) -> Markup {
+    let usual = overview.combinations();
+    let all = Overview { shown: Shown::All, ..overview.clone() }.combinations();
+    let table = |id: &str, table: &Combinations| {
+        let is_text = |column: usize| column < table.n_labels;
+        html! {
+            div.table { table {
+                thead { tr { @for (column, heading) in table.headings.iter().enumerate() { th.text[is_text(column)] { (heading) } } } }
+                tbody id=(id) { @for (group, row) in overview.groups.iter().zip(&table.rows).take(MOST_ROWS) { tr {
+                    @for (column, cell) in row.iter().enumerate() {
+                        @let is_bad = column == table.n_labels && group.n_passed < group.n_cases;
+                        td.text[is_text(column)].bad[is_bad] { (cell) }
+                    }
+                } } }
+            } }
+        }
+    };
     html! {
         h2 { "Every combination" }
-        div.table { table {
-            thead { tr {
-                @if overview.has_scenes { th.text { "scene" } }
-                @if overview.has_subjects { th.text { "localizer" } }
-                @for key in &overview.keys { th.text { (key) } }
-                th { "passed" }
-                @for measure in overview.measures() { th { (measure.name) ", " (measure.unit) } }
-            } }
-            tbody id="combinations" { @for group in overview.groups.iter().take(MOST_ROWS) { tr {
-                @if overview.has_scenes { td.text { (group.scene) } }
-                @if overview.has_subjects { td.text { (group.subject) } }
-                @for key in &overview.keys { td.text { (group.value(key)) } }
-                td.bad[group.n_passed < group.n_cases] { (group.n_passed) "/" (group.n_cases) }
-                @for measure in overview.measures() { td { (measure.of(&group.figures)) } }
-            } } }
-        } }
+        (table("combinations", &usual))
+        @if usual.n_left_out > 0 {
+            details {
+                summary { "All figures of every combination" }
+                (table("all_figures", &all))
+            }
+        }
     }
 }
 
@@ -318,6 +330,10 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
         Some(false) => "FAILED",
         None => "not run",
     };
+    let is_blamed = results.cases.iter().any(|case| case.first_failure()["blame"].is_string());
+    let n_labels = usize::from(overview.has_scenes) + usize::from(overview.has_subjects) + overview.keys.len();
+    // Beside the figures are seed, verdict, and what is to blame.
+    let (chosen, _) = overview.chosen(n_labels + 2 + usize::from(is_blamed));
     html! {
         details {
             summary { @if overview.sketched.is_some() { "The " (results.cases.len()) " cases that are kept" } @else { "All " (results.cases.len()) " cases" } }
@@ -327,8 +343,8 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
                     @if overview.has_subjects { th.text { "localizer" } }
                     @for key in &overview.keys { th.text { (key) } }
                     th { "seed" } th { "verdict" }
-                    @for measure in overview.measures() { th { (measure.name) ", " (measure.unit) } }
-                    th.text { "blame" }
+                    @for measure in &chosen { th { (measure.heading()) } }
+                    @if is_blamed { th.text { "blame" } }
                 } }
                 tbody id="cases" { @for case in results.cases.iter().take(MOST_ROWS) {
                     @let figures = case.figures();
@@ -338,8 +354,8 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
                         @for key in &overview.keys { td.text { (case.value(key)) } }
                         td { (case.seed) }
                         td.bad[case.passed() != Some(true)] { (verdict(case)) }
-                        @for measure in overview.measures() { td { (measure.of(&figures)) } }
-                        td.text { (case.first_failure()["blame"].as_str().unwrap_or_default()) }
+                        @for measure in &chosen { td { (measure.of(&figures)) } }
+                        @if is_blamed { td.text { (case.first_failure()["blame"].as_str().unwrap_or_default()) } }
                     }
                 } }
             } }

@@ -3,11 +3,11 @@
 use serde_json::Value;
 
 use crate::{
-    artefacts::{result_table::MOST_COLUMNS, wording::outside_by},
+    artefacts::wording::outside_by,
     campaign::cases::{CaseResult, Replay, Results},
 };
 
-use super::{Group, Measure, Overview, incidents::broken};
+use super::{Overview, chosen::Combinations, incidents::broken};
 
 /// Greatest number of combinations that are printed; a sweep with more has its HTML report and its CSV file.
 const MOST_GROUPS: usize = 60;
@@ -130,36 +130,11 @@ pub(super) fn greatest_parts(case: &CaseResult) -> Vec<String> {
 }
 
 fn table(overview: &Overview) -> String {
-    let mut headings: Vec<String> = Vec::new();
-    headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
-    headings.extend(overview.has_subjects.then(|| "localizer".to_owned()));
-    headings.extend(overview.keys.iter().cloned());
-    let n_texts = headings.len();
-    headings.push("passed".to_owned());
-    // First those that every line has, as a line without boxes has no widths, and how errors compare with boxes last.
-    let mut measures: Vec<&Measure> = overview.measures().collect();
-    let lacks =
-        |measure: &Measure| overview.groups.iter().filter(|group| (measure.value)(&group.figures).is_none()).count();
-    measures.sort_by_key(|measure| (measure.is_detail(), lacks(measure)));
-    headings.extend(measures.iter().map(|measure| format!("{}, {}", measure.name, measure.unit)));
-    let row = |group: &Group| {
-        let mut cells: Vec<String> = Vec::new();
-        cells.extend(overview.has_scenes.then(|| group.scene.clone()));
-        cells.extend(overview.has_subjects.then(|| group.subject.clone()));
-        cells.extend(overview.keys.iter().map(|key| group.value(key)));
-        cells.push(format!("{}/{}", group.n_passed, group.n_cases));
-        cells.extend(measures.iter().map(|measure| measure.of(&group.figures)));
-        cells
-    };
-    let mut rows = vec![headings];
-    rows.extend(overview.groups.iter().take(MOST_GROUPS).map(row));
-    // What tells the lines apart is always shown, and whether the cases passed.
-    let n_columns = rows[0].len();
-    let n_shown = MOST_COLUMNS.max(n_texts + 1).min(n_columns);
-    rows.iter_mut().for_each(|row| row.truncate(n_shown));
-    let mut text = aligned(&rows, n_texts);
-    if n_columns > n_shown {
-        text += &format!("  report.html shows {} more figures of each line\n", n_columns - n_shown);
+    let Combinations { headings, n_labels, rows, n_left_out } = overview.combinations();
+    let lines: Vec<Vec<String>> = [headings].into_iter().chain(rows.into_iter().take(MOST_GROUPS)).collect();
+    let mut text = aligned(&lines, n_labels);
+    if n_left_out > 0 {
+        text += &format!("  --columns all shows {n_left_out} more figures of each line\n");
     }
     if overview.groups.len() > MOST_GROUPS {
         text += &format!("  and {} combinations more\n", overview.groups.len() - MOST_GROUPS);
