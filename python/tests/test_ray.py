@@ -5,9 +5,12 @@ The environment variable WHEREIN names the program, by default that of the last 
 
 import importlib.machinery
 import importlib.util
+import json
 import os
 import pathlib
+import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -160,6 +163,63 @@ def test_files_that_a_scene_extends_and_names_travel(cluster, tmp_path):
     (folder / "short.toml").write_text('extends = "base.toml"\nduration_s = 1\n')
     code, said = finish(start(cluster, tmp_path / "shared", scene=str(folder / "short.toml")))
     assert code == 0, said
+
+
+def test_the_options_of_a_sweep_reach_the_cases_and_the_report(cluster, tmp_path):
+    options = ["--vary", "duration_s=1,2", "--seeds", "1..3", "--subject", "ekf", "--baselines", "--frames", "all"]
+    options += ["--columns", "error,nees"]
+    alone(tmp_path / "alone", *options, "--junit", tmp_path / "alone.xml")
+    shared = ["--junit", tmp_path / "shared.xml", "--jobs", "1"]
+    code, said = finish(start(cluster, tmp_path / "shared", *options, *shared))
+    assert code == 0 and "4 cases run" in said, said
+    # The report tells how long a filter's readings took.
+    assert set(trial.differences(tmp_path / "alone", tmp_path / "shared")) <= {"report.html", "summary.md"}
+    texts = [(tmp_path / f"{name}.xml").read_text() for name in ("alone", "shared")]
+    tests = [re.findall("<testcase [^>]*name=[^ ]*", text) for text in texts]
+    assert len(tests[0]) == 4 and tests[0] == tests[1]
+    summaries = [(tmp_path / name / "summary.md").read_text() for name in ("alone", "shared")]
+    assert "| duration_s | passed | error, mm | NEES, mean |" in summaries[0]
+    rows = [re.findall(r"^\|.*", summary, re.M)[:4] for summary in summaries]
+    assert len(rows[0]) == 4 and rows[0] == rows[1]
+
+
+def test_what_is_shipped_and_what_a_command_names_travels(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data").mkdir()
+    for name in ("filter.py", "data/noise.json", "data/map.json", "other.py"):
+        (tmp_path / name).write_text(name)
+    sweep = load("ray_sweep")
+    asked = [str(ROOT / SCENE), "--subject", "python3 filter.py", "--ship", "data"]
+    files = sweep.travelling(sweep.options().parse_args(asked))
+    mine = {path: content for path, (_, content) in files.items() if path.startswith(str(tmp_path))}
+    assert mine == {f"{tmp_path}/{name}": name.encode() for name in ("filter.py", "data/noise.json", "data/map.json")}
+    with pytest.raises(sweep.Refused, match="failed to read .*nowhere"):
+        sweep.travelling(sweep.options().parse_args([str(ROOT / SCENE), "--ship", "nowhere"]))
+
+
+def test_folders_of_killed_workers_are_deleted(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    sweep = load("ray_sweep")
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left, used = (sweep.node_folder() / f"shard-{pid}-x" for pid in (ended.pid, os.getpid()))
+    left.mkdir()
+    used.mkdir()
+    with sweep.shard_folder() as folder:
+        assert os.path.isdir(folder) and used.exists() and not left.exists()
+    assert not os.path.exists(folder)
+
+
+def test_an_address_at_which_nothing_listens_is_refused_at_once(tmp_path):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    for address in (f"127.0.0.1:{port}", f"ray://127.0.0.1:{port}"):
+        began = time.monotonic()
+        nowhere = type("Nowhere", (), {"address": address})
+        code, said = finish(start(nowhere, tmp_path / "none", "--vary", "duration_s=1"))
+        assert code == 2 and f"failed to connect to a Ray cluster at {address}" in said and "Warning" not in said, said
+        assert time.monotonic() - began < 30 and not (tmp_path / "none").exists()
 
 
 def test_two_drivers_do_not_write_into_one_folder(cluster, tmp_path):
