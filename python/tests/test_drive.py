@@ -94,7 +94,7 @@ def test_a_result_says_whether_its_answers_were_overconfident():
     drive = wherein.Drive(PLAIN, set=SHORT)
     for step in drive:
         step.answer([100, 100, 0], COVARIANCE)
-    assert "overconfident: NEES" in repr(drive.result) and "at 0.0 % of steps" in repr(drive.result)
+    assert "overconfident: truth in its 95 % regions at" in repr(drive.result) and "at 0.0 % of steps" in repr(drive.result)
 
 
 def test_a_step_that_is_not_answered_ends_the_drive():

@@ -24,7 +24,7 @@ pub fn honesty(figures: &Figures) -> Option<String> {
         () => "about right",
     };
     Some(format!(
-        "{verdict}: NEES {nees:.1}, right is 3.0; truth in its 95 % regions at {:.1} % of steps",
+        "{verdict}: truth in its 95 % regions at {:.1} % of steps; NEES {nees:.1}, right is 3.0",
         100.0 * within
     ))
 }
@@ -45,7 +45,7 @@ mod tests {
         // χ² of three degrees of freedom is below 7.815/k²: 0.418 for k = 2 and above 0.9999 for k = ½.
         assert!(
             told(12.0, 0.418)
-                .starts_with("overconfident: NEES 12.0, right is 3.0; truth in its 95 % regions at 41.8 %")
+                .starts_with("overconfident: truth in its 95 % regions at 41.8 % of steps; NEES 12.0, right is 3.0")
         );
         assert!(told(0.74, 0.9999).starts_with("overcautious"));
         assert!(told(3.0, 0.95).starts_with("about right"));
