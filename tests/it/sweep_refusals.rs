@@ -147,6 +147,16 @@ fn a_place_where_junit_cannot_be_written_is_refused_before_anything_runs() {
 }
 
 #[test]
+fn tests_of_tables_are_refused_before_the_tables_are_read() {
+    let folder = with_scene("refused_tests_of_tables");
+    let (code, _, stderr) =
+        outcome(&mut wherein(&folder, &["report", "nowhere", "--out", "whole", "--junit", "junit.xml"]));
+    assert_eq!(code, 2);
+    assert!(stderr.contains("junit.xml") && stderr.contains("without --out"), "{stderr}");
+    assert!(!folder.join("whole").exists());
+}
+
+#[test]
 fn no_jobs_at_all_are_refused_by_the_options_name() {
     let folder = with_scene("refused_jobs");
     for command in [&["sweep", "scene.toml"][..], &["falsify"]] {

@@ -64,6 +64,8 @@ pub(super) enum CommandError {
     NoResults(PathBuf),
     #[error("report on {0} folders: expected one, or --out with the folder for the report on all of them")]
     SeveralReported(usize),
+    #[error("write {}: a report on tables keeps no cases for JUnit XML, expected one folder of results without --out", .0.display())]
+    TestsOfTables(PathBuf),
     #[error("write {}: {n_cases} cases, expected at most {most} for JUnit XML", path.display())]
     TooManyTests { path: PathBuf, n_cases: usize, most: usize },
     #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), result_table::BEGIN, result_table::END)]

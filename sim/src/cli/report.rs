@@ -16,6 +16,9 @@ use super::{
 pub(super) fn report_folder(arguments: &ReportArguments) -> Result<ExitCode, CommandError> {
     let ReportArguments { folders, out, outputs } = arguments;
     if let Some(out) = out {
+        if let Some(junit) = &outputs.junit {
+            return Err(CommandError::TestsOfTables(junit.clone()));
+        }
         run_files::prepare(out)?;
         let (sketch, plan) = Sketch::of_tables(folders)?;
         return conclude_sketch(sketch, plan, out, outputs);
