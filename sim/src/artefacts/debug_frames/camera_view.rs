@@ -70,7 +70,7 @@ pub(super) fn draw_seen(
                         let [[u0, v0], [u1, v1]] = *ends_px;
                         let [left, top] = place(0.5 * (u0 + u1), 0.5 * (v0 + v1));
                         let at = below_labels(&labels, [left, top + 4.0]);
-                        label(canvas, at, 15.0, stroke, colour, &format!("{deg:.0}°"));
+                        label(canvas, at, 15.0, stroke, colour, &format!("{:.0}°", deg.round() + 0.0));
                         labels.push(at);
                     }
                 }
