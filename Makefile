@@ -23,7 +23,7 @@ help:
 	@echo "make readers       let programs of others read what runs leave, where Python has them; PYTHON=…"
 	@echo "make allan         analyse the gyroscope by the package allantools where Python has it; PYTHON=…"
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
-	@echo "make gallery       take the film and the pictures of the book's gallery anew; look at them"
+	@echo "make gallery       take the film and all pictures of the book anew; look at them"
 	@echo "make path-traced   compare the light of five scenes with the path tracer Mitsuba where Python has it; PYTHON=…"
 	@echo "make experiments   rerun the long tables of the book and of README; ISSUE=N for one group only"
 	@echo "make straight-drive  rerun paper 4's numerical experiment and put its tables and figure into the book: two minutes"
