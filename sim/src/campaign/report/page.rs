@@ -74,7 +74,7 @@ fn key_figures(overview: &Overview) -> Markup {
     let number = |name: &str| overview.figures.get(name).copied().unwrap_or_default();
     html! {
         dl.figures {
-            @for measure in overview.measures() {
+            @for measure in overview.measures().filter(|measure| !measure.is_detail()) {
                 div title=(measure.meaning) {
                     dt { (measure.name) }
                     dd { (measure.of(&overview.figures)) " " small { (measure.unit) } }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::{
-    artefacts::wording::outside_by,
+    artefacts::wording::{outside_by, significant},
     campaign::cases::{CaseResult, Replay, Results},
 };
 
@@ -106,7 +106,8 @@ fn contradiction(found: &Value) -> Option<String> {
     let (time_s, bounds, either) = (found["time_s"].as_f64()?, bounds.join(", "), either.join(", or "));
     Some(match found["factor"].as_f64() {
         Some(factor) => format!(
-            "readings contradict each other at {time_s:.2} s: {either}, or another bound is exceeded more than {factor:.3}-fold"
+            "readings contradict each other at {time_s:.2} s: {either}, or another bound is exceeded more than {}-fold",
+            significant(factor)
         ),
         None => format!("readings contradict each other at {time_s:.2} s: most likely one of {bounds} is broken"),
     })
