@@ -40,6 +40,7 @@ fn nothing_is_doubtful_in_the_tutorials_hall() {
     assert_eq!((&camera["pictures_with_marker"], &camera["methods"][0]["constraints"]), (&24.into(), &24.into()));
     assert!(camera["markers_in_view"].as_u64().unwrap() >= 24);
     assert_eq!((&camera["methods"][0]["false_claims"], &pictures["places_with_constraint"]), (&0.into(), &24.into()));
+    assert_eq!(pictures["without_position"], serde_json::json!([]));
     let (code, text, _) = outcome(&mut wherein(&place, &["check", "hall.toml"]));
     assert!(code == 0 && text.contains("24 of 24 pictures") && text.ends_with("Nothing is doubtful.\n"), "{text}");
 }
@@ -63,6 +64,14 @@ fn exposures_and_ceilings_that_hide_the_markers_are_doubtful() {
     assert_eq!(code, 1);
     assert!(doubts(&found).contains("places some method learns something about the pose"), "{found}");
     assert!(doubts(&found).contains("[markers.layout]"), "{found}");
+    // The camera looks straight up, and the way begins a metre beside the marker.
+    let without = found["pictures"]["without_position"].as_array().unwrap();
+    let n_without: u64 = without.iter().map(|stretch| stretch["n_places"].as_u64().unwrap()).sum();
+    assert!(n_without > 12, "{found}");
+    let last = without.last().unwrap();
+    assert_eq!((&last["along_way_m"][1], &last["n_with_heading"]), (&found["pictures"]["way_m"], &0.into()), "{found}");
+    let (_, text, _) = outcome(&mut wherein(&place, &["check", "hall.toml"]));
+    assert!(text.contains("No picture bounds the position from "), "{text}");
 }
 
 #[test]

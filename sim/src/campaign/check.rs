@@ -8,6 +8,7 @@
 //! in them. A method sees each picture by itself, with a prior that is no better than what is known of the start.
 
 mod doubts;
+mod stretches;
 mod way;
 
 use interval::Interval;
@@ -31,7 +32,10 @@ use crate::{
     world::Drawn,
 };
 
+use stretches::{Told, stretches};
 use way::{Way, way};
+
+pub use stretches::Stretch;
 
 /// What was found along the way of a scene's robot.
 #[derive(Clone, Debug, Serialize)]
@@ -46,6 +50,8 @@ pub struct SceneCheck {
     pub floor_lux: [f64; 2],
     /// Number of places at which some method learns something about the pose from a picture.
     pub places_with_constraint: usize,
+    /// Stretches of the way on which no picture bounds the position; none for a scene with stations.
+    pub without_position: Vec<Stretch>,
     /// What each camera showed.
     pub cameras: Vec<CameraCheck>,
     /// Sentences on what is perhaps not as its author meant it; none if nothing was found.
@@ -110,17 +116,15 @@ pub fn check(
     let Way { places, length_m } = way(scene, &drawn.goals_m);
     let cameras = scene.robot.cameras();
     let mut looks: Vec<Look> = cameras.iter().map(|&camera| Look::of(camera, scene)).collect();
-    let (mut floor_lux, mut places_with_constraint) = ([f64::INFINITY, 0.0_f64], 0);
+    let (mut floor_lux, mut told) = ([f64::INFINITY, 0.0_f64], Vec::new());
     for (nth, pose) in places.iter().enumerate() {
         let lux = world.illuminance_at_lux([pose.x_m, pose.y_m]).unwrap_or(mean_lux);
         floor_lux = [floor_lux[0].min(lux), floor_lux[1].max(lux)];
         let truth = Truth { pose: *pose, ..Truth::default() };
         let stills = take(renderer, &world, scene, &drawn, *pose, mean_lux, (cameras.as_slice(), seed))?;
-        let mut tells = false;
-        for (look, still) in looks.iter_mut().zip(&stills) {
-            tells |= look.add(still, scene, &drawn, &truth, &obstacles);
-        }
-        places_with_constraint += usize::from(tells);
+        let by_camera = looks.iter_mut().zip(&stills);
+        let by_camera = by_camera.map(|(look, still)| look.add(still, scene, &drawn, &truth, &obstacles));
+        told.push(by_camera.max().unwrap_or(Told::Nothing));
         at_place(nth + 1, places.len());
     }
     let cameras: Vec<CameraCheck> = looks.into_iter().map(|look| look.found).collect();
@@ -129,7 +133,8 @@ pub fn check(
         n_places: places.len(),
         way_m: length_m,
         floor_lux,
-        places_with_constraint,
+        places_with_constraint: told.iter().filter(|told| **told != Told::Nothing).count(),
+        without_position: length_m.map(|length_m| stretches(&places, &told, length_m)).unwrap_or_default(),
         cameras,
         doubts: Vec::new(),
     };
@@ -182,8 +187,8 @@ impl Look {
         Look { camera, found }
     }
 
-    /// Adds a picture; returns whether a method learns something about the pose from it.
-    fn add(&mut self, still: &Still, scene: &Scene, drawn: &Drawn, truth: &Truth, obstacles: &Obstacles) -> bool {
+    /// Adds a picture; returns what a method learns about the pose from it.
+    fn add(&mut self, still: &Still, scene: &Scene, drawn: &Drawn, truth: &Truth, obstacles: &Obstacles) -> Told {
         let found = &mut self.found;
         let n_pixels = still.image.as_raw().len().max(1) as f64;
         let mean_grey = still.image.as_raw().iter().map(|&grey| f64::from(grey)).sum::<f64>() / n_pixels;
@@ -193,7 +198,7 @@ impl Look {
         found.mean_grey = [found.mean_grey[0].min(mean_grey), found.mean_grey[1].max(mean_grey)];
         found.white_share_max = found.white_share_max.max(n_white as f64 / n_pixels);
         let (reading, prior) = (reading(self.camera, Some(still)), prior(scene, truth));
-        let (mut claimed, mut tells) = (Vec::new(), false);
+        let (mut claimed, mut tells) = (Vec::new(), Told::Nothing);
         // A method may remember pictures; here each one is looked at by itself.
         for mut method in methods(scene).into_iter().filter(|method| method.reads(&reading)) {
             let Some(seen) = found.methods.iter_mut().find(|seen| seen.method == method.name()) else { continue };
@@ -204,7 +209,7 @@ impl Look {
             let n_false = constraint.claims.iter().filter(|claim| !is_true(claim, scene, drawn, truth)).count();
             seen.false_claims += n_false;
             seen.beyond_quota += usize::from(n_false > allowed(&constraint));
-            tells = true;
+            tells = tells.max(if constraint.heading_only { Told::Heading } else { Told::Position });
             claimed.extend(constraint.claims);
         }
         if let (Some(in_view), Some(read), Some(with_marker)) =

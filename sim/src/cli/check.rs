@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use crate::{
-    campaign::check::{self, CameraCheck, SceneCheck, significant},
+    campaign::check::{self, CameraCheck, SceneCheck, Stretch, significant},
     loading::{SceneFile, SceneTemplate, Setting},
     render::Renderer,
 };
@@ -98,7 +98,17 @@ fn pictures(found: &SceneCheck) -> String {
     for camera in &found.cameras {
         text += &camera_lines(camera);
     }
+    text.extend(found.without_position.iter().map(stretch_line));
     text
+}
+
+fn stretch_line(stretch: &Stretch) -> String {
+    let Stretch { along_way_m: [from_m, to_m], ends_m: [begin, end], n_places, n_with_heading } = stretch;
+    format!(
+        "No picture bounds the position from {from_m:.1} to {to_m:.1} m of the way, from ({:.1}, {:.1}) to ({:.1}, {:.1}) m; \
+         the heading is seen at {n_with_heading} of these {n_places} places.\n",
+        begin[0], begin[1], end[0], end[1]
+    )
 }
 
 fn camera_lines(camera: &CameraCheck) -> String {
