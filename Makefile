@@ -114,7 +114,7 @@ straight-drive:
 falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
 		cargo test --locked -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
-	WHEREIN_PROGRAMS=100000 cargo test --locked -p wherein-interval --lib -- --nocapture solver
+	WHEREIN_PROGRAMS=1000000 cargo test --locked -p wherein-interval --lib -- --nocapture solver
 	WHEREIN_ROWS=167 cargo test --locked -p wherein-localizer --lib -- --nocapture graph::sighting graph::flow graph::way graph::link
 	WHEREIN_ROWS=500 cargo test --locked -p wherein-localizer --lib -- --nocapture relate mapped_landmarks::tests::the_truth mapped_landmarks::tests::a_landmark
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test --locked -p wherein-localizer --lib -- --nocapture p3p
