@@ -182,6 +182,8 @@ fn a_marker_names_columns_and_a_csv_file_has_all_of_them() {
     // Lines of other scenes stay in the CSV file, and those of the same scene are written anew.
     assert_eq!(table("right").0, 0);
     assert_eq!(table("right").0, 0);
+    let told = fs::read_to_string(folder.join("page.md")).unwrap();
+    assert!(told.contains("| left | ") && told.contains("| right | "), "{told}");
     let csv = fs::read_to_string(folder.join("all.csv")).unwrap();
     let lines: Vec<&str> = csv.lines().map(|line| line.split(",2 seeds").next().unwrap()).collect();
     assert!(lines[0].starts_with("line,scene,localizer,run,checks,") && lines[0].ends_with(",verdict"), "{csv}");

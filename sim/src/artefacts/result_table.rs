@@ -17,7 +17,7 @@ mod shown;
 
 pub(crate) use pool::{Moments, methods, pool, pooled};
 
-pub use csv_file::as_csv;
+pub use csv_file::{as_csv, from_csv, joined};
 pub use layout::{as_markdown, as_text};
 pub use shown::{MOST_COLUMNS, Shown, UnknownColumn};
 
@@ -69,6 +69,28 @@ pub struct Line {
     pub verdict: String,
     /// The figures that the line's cells show.
     pub figures: Figures,
+}
+
+/// A line of the result table as the texts of all its cells.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// What the line is about.
+    pub kind: Kind,
+    /// The texts of the cells, one for each column of the result table.
+    cells: Vec<String>,
+}
+
+impl Row {
+    /// Name of the scene.
+    pub fn scene(&self) -> &str {
+        &self.cells[columns::SCENE]
+    }
+}
+
+impl From<&Line> for Row {
+    fn from(line: &Line) -> Row {
+        Row { kind: line.kind, cells: columns::COLUMNS.iter().map(|column| (column.cell)(line)).collect() }
+    }
 }
 
 impl Outcome {

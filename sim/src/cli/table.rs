@@ -8,7 +8,9 @@ use std::{
 use clap::Args;
 
 use crate::artefacts::{
-    result_table::{BEGIN, END, Kind, Line, Outcome, Shown, UnknownColumn, as_csv, as_markdown, lines},
+    result_table::{
+        BEGIN, END, Kind, Outcome, Row, Shown, UnknownColumn, as_csv, as_markdown, from_csv, joined, lines,
+    },
     run_files::{self, naming, run_folders},
 };
 
@@ -29,7 +31,8 @@ pub(super) struct TableArguments {
     /// eight at most.
     #[arg(long, value_name = "NAMES", value_parser = Shown::of_result_table)]
     columns: Option<Shown>,
-    /// Write the table into this CSV file too, with all columns. Lines that the file has already stay where they are of other scenes.
+    /// Write the table into this CSV file too, with all columns. Lines that the file has already stay where they are of other scenes, and are in the
+    /// document's tables, too.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
 }
@@ -55,21 +58,24 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
         }
     }
     outcomes.sort_by(|one, other| (&one.scene, one.seed).cmp(&(&other.scene, other.seed)));
+    let mut rows: Vec<Row> = lines(&outcomes, false).iter().map(Row::from).collect();
     if let Some(path) = &arguments.csv {
         let before = if path.exists() { naming("read", path, fs::read_to_string(path))? } else { String::new() };
-        let csv = as_csv(&lines(&outcomes, false), &before).map_err(io::Error::other);
+        let before = naming("read", path, from_csv(&before).map_err(io::Error::other))?;
+        rows = joined(&rows, before);
+        let csv = as_csv(&rows).map_err(io::Error::other);
         run_files::replace_file(path, &naming("write", path, csv)?)?;
     }
     let columns = arguments.columns.clone().unwrap_or_default();
-    let Some(document) = &arguments.into else { return print(&as_markdown(&lines(&outcomes, false), &columns)) };
+    let Some(document) = &arguments.into else { return print(&as_markdown(&rows, &columns)) };
     let text = naming("read", document, fs::read_to_string(document))?;
-    let updated = with_tables(document, &text, &outcomes, &columns)?;
+    let updated = with_tables(document, &text, &rows, &columns)?;
     Ok(naming("write", document, fs::write(document, updated))?)
 }
 
 /// Returns the document with a results table between each pair of marker lines. Refused are a document without such a pair or with one of a pair
 /// missing, and marker lines with the name of no column.
-fn with_tables(document: &Path, text: &str, outcomes: &[Outcome], columns: &Shown) -> Result<String, CommandError> {
+fn with_tables(document: &Path, text: &str, rows: &[Row], columns: &Shown) -> Result<String, CommandError> {
     let mut pieces = text.split(BEGIN);
     let mut updated = pieces.next().unwrap_or_default().to_owned();
     let mut n_tables = 0;
@@ -78,9 +84,9 @@ fn with_tables(document: &Path, text: &str, outcomes: &[Outcome], columns: &Show
         let Some((words, (old, after))) = marked else { return Err(CommandError::NoMarkers(document.to_owned())) };
         let wanted =
             Wanted::read(words).map_err(|source| CommandError::Marker { document: document.to_owned(), source })?;
-        let table = wanted.table(outcomes, columns);
+        let table = wanted.table(rows, columns);
         let marker = [BEGIN].into_iter().chain(words.split_whitespace()).collect::<Vec<_>>().join(" ");
-        // Where none of the recorded runs belongs to the scenes that a table selects, the table in the document stays as it is.
+        // Where no row is of the scenes that a table selects, the table in the document stays as it is.
         let table = table.map_or_else(|| old.to_owned(), |table| format!("\n\n{table}\n"));
         updated += &format!("{marker} -->{table}{END}{after}");
         n_tables += 1;
@@ -111,18 +117,17 @@ impl Wanted<'_> {
         Ok(wanted)
     }
 
-    /// The table of those outcomes that are wanted; `None` where there is none.
-    fn table(&self, outcomes: &[Outcome], columns: &Shown) -> Option<String> {
-        let is_wanted = |outcome: &&Outcome| {
-            self.beginnings.is_empty() || self.beginnings.iter().any(|beginning| outcome.scene.starts_with(beginning))
+    /// The table of those rows that are wanted; `None` where there is none.
+    fn table(&self, rows: &[Row], columns: &Shown) -> Option<String> {
+        let is_wanted = |row: &&Row| {
+            self.beginnings.is_empty() || self.beginnings.iter().any(|beginning| row.scene().starts_with(beginning))
         };
-        let wanted: Vec<Outcome> = outcomes.iter().filter(is_wanted).cloned().collect();
-        let (runs, others): (Vec<Line>, Vec<Line>) =
-            lines(&wanted, false).into_iter().partition(|line| line.kind == Kind::Runs);
-        let others: Vec<Line> =
-            others.into_iter().filter(|line| self.with_baselines || line.kind != Kind::Baseline).collect();
+        let wanted = rows.iter().filter(is_wanted).cloned();
+        let (runs, others): (Vec<Row>, Vec<Row>) = wanted.partition(|row| row.kind == Kind::Runs);
+        let others: Vec<Row> =
+            others.into_iter().filter(|row| self.with_baselines || row.kind != Kind::Baseline).collect();
         let mut tables = vec![as_markdown(&runs, self.columns.as_ref().unwrap_or(columns))];
         tables.extend((!others.is_empty()).then(|| as_markdown(&others, columns)));
-        (!wanted.is_empty()).then(|| tables.join("\n"))
+        (!runs.is_empty()).then(|| tables.join("\n"))
     }
 }

@@ -50,7 +50,7 @@ impl Shown {
 
     /// The indices of the columns that are shown of a result table with these rows, and how many more have a cell with a text. A column that is
     /// `apart` stands outside of the table and is not counted.
-    pub(super) fn columns(&self, rows: &[Vec<String>], apart: Option<usize>) -> (Vec<usize>, usize) {
+    pub(super) fn columns(&self, rows: &[&[String]], apart: Option<usize>) -> (Vec<usize>, usize) {
         let is_filled = |column: &usize| Some(*column) != apart && rows.iter().any(|row| !row[*column].is_empty());
         let filled: Vec<usize> = (0..COLUMNS.len()).filter(is_filled).collect();
         let mut chosen = match self {
@@ -90,7 +90,7 @@ mod tests {
     }
 
     fn usual(row: Vec<String>, apart: Option<usize>) -> Vec<&'static str> {
-        let (columns, _) = Shown::Usual.columns(&[row], apart);
+        let (columns, _) = Shown::Usual.columns(&[&row], apart);
         columns.into_iter().map(|column| COLUMNS[column].name).collect()
     }
 
@@ -116,7 +116,8 @@ mod tests {
 
     #[test]
     fn what_is_not_shown_is_counted() {
-        let rows = [row(&["checks"])];
+        let row = row(&["checks"]);
+        let rows = [row.as_slice()];
         let n_filled = COLUMNS.len() - 1;
         assert_eq!(Shown::Usual.columns(&rows, None).1, n_filled - MOST_COLUMNS);
         assert_eq!(
