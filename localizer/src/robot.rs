@@ -137,7 +137,7 @@ pub struct BodyModel {
 impl BodyModel {
     /// Greatest distance forward or left, seen from above, by which the body's lean may displace a point on the robot: a lean by φ shifts a point at
     /// the height h by up to h·sin φ to any side, and foreshortens its lever arm b by up to |b|·(1 − cos φ).
-    pub(crate) fn most_leant_m(&self, position_m: [Interval; 2], height_m: f64) -> Interval {
+    pub fn most_leant_m(&self, position_m: [Interval; 2], height_m: f64) -> Interval {
         let lean = Interval::new(0.0, self.tilt_rad);
         let [forward, left] = position_m;
         let lever = Interval::point(forward.magnitude()) + Interval::point(left.magnitude());

@@ -14,7 +14,8 @@ use crate::{answers::numbers, drive::Drive, json, reading::PyReading};
 /// Residual, Jacobian and noise of one compared cue.
 type Linear<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
-/// Reads cues from the readings of a drive's robot: markers, joints, walls, landmarks, positions. It has the vision of the built-in filters.
+/// Reads cues from the readings of a drive's robot: markers, joints, walls, lines of a scan, landmarks, positions. It has the vision of the built-in
+/// filters.
 ///
 /// Give it every reading in the order of arrival; `for cue in cues.read(reading)` then has what the reading says about the pose.
 #[pyclass(module = "wherein", frozen)]
@@ -63,7 +64,7 @@ pub(crate) struct PyCue {
 
 #[pymethods]
 impl PyCue {
-    /// What the cue is: "markers", "joint", "walls", "landmark" or "position".
+    /// What the cue is: "markers", "joint", "walls" for edges in an image, "line" for a straight part of a scan, "landmark" or "position".
     #[getter]
     fn kind(&self) -> &'static str {
         self.cue.kind()
@@ -85,7 +86,7 @@ impl PyCue {
 
     /// Compares the cue with the pose that a filter predicts for the cue's stamp. Returns the residual (measured less predicted) of shape (n,), the
     /// Jacobian of the prediction by x, y and heading of shape (n, 3), and the covariance of the noise of shape (n, n); or None where the cue tells
-    /// nothing, as a joint between tiles that may as well be its neighbour, edges that disagree, or a landmark.
+    /// nothing, as a joint between tiles that may as well be its neighbour, a line of a scan that is no wall, edges that disagree, or a landmark.
     ///
     /// pose: x (m), y (m) and heading (rad), of shape (3,).
     /// covariance: covariance of the pose, of shape (3, 3).

@@ -29,7 +29,7 @@ use crate::{
 
 /// A room of 6 m by 4 m in which a robot with gyroscope and scanner drives a round, among a partition, furniture that the localizer's map does not
 /// have, and a person.
-fn furnished(changes: &[(&str, Value)]) -> Scene {
+pub(crate) fn furnished(changes: &[(&str, Value)]) -> Scene {
     let mut keys = json!({
         "duration_s": 20.0,
         "bounds_from": "laboratory",

@@ -9,12 +9,18 @@
 mod ceiling;
 mod compared;
 mod floor;
+mod floor_plan;
 mod motion;
 mod position;
 mod range;
+mod scan;
 mod walls;
 
-use localizer::{Map, Reading, RobotModel, methods::gnss_positions, reading::Camera};
+use localizer::{
+    Map, Reading, RobotModel,
+    methods::{gnss_positions, wall_ranges},
+    reading::Camera,
+};
 use nalgebra::{Matrix2, Matrix3, Vector2};
 
 use crate::scene::Scene;
@@ -23,25 +29,31 @@ use ceiling::Ceiling;
 use floor::Floor;
 use position::Receiver;
 use range::Range;
+use scan::Scans;
 use walls::Walls;
 
 pub use compared::{Compared, Cue, CueReader};
 pub(crate) use floor::Joint;
+pub(crate) use floor_plan::FloorPlan;
 pub(crate) use motion::{Step, Steps};
+pub(crate) use scan::Line;
 pub(crate) use walls::{Edge, heading_of};
 
 /// Share of a declared bound that is taken for a standard deviation: the bound is three of them.
 pub(crate) const SIGMAS_OF_BOUND: f64 = 1.0 / 3.0;
 
-/// Way in metres over which errors last that the floor makes, namely slip and the error of the flow sensor that the surface makes: after it, 1/e of what
-/// was known of them is left. A robot crosses doorways, carpets' edges and turns about once in a metre.
+/// Way in metres over which errors last that the floor makes, namely slip and the error of the flow sensor that the surface makes: after it, 1/e of
+/// what was known of them is left. A robot crosses doorways, carpets' edges and turns about once in a metre.
 pub(crate) const LASTS_M: f64 = 1.0;
 
-/// Way, and turn, that the robot must have gone since the last reading of a camera that was used for another to be used: a picture from the same
-/// place has the same errors, so that a filter that takes them for new ones becomes overconfident at rest. Both are those of the method
+/// Way, and turn, that the robot must have gone since the last reading of a camera or scanner that was used for another to be used: a picture from
+/// the same place has the same errors, so that a filter that takes them for new ones becomes overconfident at rest. Both are those of the method
 /// `wall_directions`; AMCL has the same rule with greater values.
 const NEW_PLACE_M: f64 = 0.03;
 const NEW_PLACE_RAD: f64 = 0.05;
+
+/// Number of readings that are used within the way over which errors last, where a robot drives straight ahead.
+pub(crate) const READINGS_WHILE_LASTING: f64 = LASTS_M / NEW_PLACE_M;
 
 /// Errors of a device's mount that last: where the robot would be and how turned if the device were mounted as stated, relative to where it is.
 /// Forward and left in metres, counter-clockwise in radians, all 0 for a mount as stated.
@@ -59,11 +71,18 @@ pub(crate) enum Mounted {
     ForwardCamera,
     RangeCamera,
     Antenna,
+    Scanner,
 }
 
 impl Mounted {
-    pub(crate) const ALL: [Mounted; 5] =
-        [Mounted::FloorCamera, Mounted::CeilingCamera, Mounted::ForwardCamera, Mounted::RangeCamera, Mounted::Antenna];
+    pub(crate) const ALL: [Mounted; 6] = [
+        Mounted::FloorCamera,
+        Mounted::CeilingCamera,
+        Mounted::ForwardCamera,
+        Mounted::RangeCamera,
+        Mounted::Antenna,
+        Mounted::Scanner,
+    ];
 
     /// The device that a reading is of; `None` for the motion sensors.
     fn of(reading: &Reading) -> Option<Mounted> {
@@ -73,6 +92,7 @@ impl Mounted {
             Reading::Camera { camera: Camera::Forward, .. } => Some(Mounted::ForwardCamera),
             Reading::Range { .. } => Some(Mounted::RangeCamera),
             Reading::Other { device, .. } if device == gnss_positions::DEVICE => Some(Mounted::Antenna),
+            Reading::Other { device, .. } if device == wall_ranges::DEVICE => Some(Mounted::Scanner),
             Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Flow { .. } | Reading::Other { .. } => None,
         }
     }
@@ -87,6 +107,8 @@ pub(crate) enum Seen {
     Joints(Vec<Joint>),
     /// Level edges, which run along a direction of the building or are clutter.
     Edges(Vec<Edge>),
+    /// Straight parts of a scan, the longest first.
+    Lines(Vec<Line>),
     /// Coded landmarks that a range camera sees.
     Landmarks(Vec<Landmark>),
     /// Position of a point of the robot in the world: where it is in the robot frame, where in the world, standard deviation of either coordinate.
@@ -113,6 +135,7 @@ pub(crate) struct Cues {
     walls: Option<Walls>,
     range: Option<Range>,
     receiver: Option<Receiver>,
+    scans: Option<(Scans, FloorPlan)>,
     /// For each device the way that the robot had gone and turned when a reading of it was used last.
     used_at: [Option<[f64; 2]>; Mounted::ALL.len()],
 }
@@ -135,6 +158,7 @@ impl Cues {
             walls: Walls::new(map, robot, scene),
             range: Range::new(robot),
             receiver: Receiver::new(scene, robot),
+            scans: Scans::new(robot, scene).zip(FloorPlan::new(map)),
             used_at: Default::default(),
         }
     }
@@ -165,6 +189,7 @@ impl Cues {
             Mounted::ForwardCamera => self.walls.as_ref()?.look(reading, &twist),
             Mounted::RangeCamera => self.range.as_ref()?.look(reading, &twist),
             Mounted::Antenna => self.receiver.as_ref()?.look(reading, &twist),
+            Mounted::Scanner => self.scans.as_ref()?.0.look(reading, &twist),
         }?;
         self.used_at[mounted as usize] = Some(here);
         Some(Told::Seen(reading.measured_s(), mounted, seen))
@@ -183,6 +208,7 @@ impl Cues {
             Mounted::ForwardCamera => self.walls.as_ref().map(Walls::mount),
             Mounted::RangeCamera => self.range.as_ref().map(Range::mount),
             Mounted::Antenna => self.receiver.as_ref().map(Receiver::mount),
+            Mounted::Scanner => self.scans.as_ref().map(|(scans, _)| scans.mount()),
         }
     }
 
@@ -194,6 +220,11 @@ impl Cues {
     /// Directions of the building's walls, modulo quarter turns.
     pub(crate) fn wall_directions_rad(&self) -> &[f64] {
         self.walls.as_ref().map_or(&[], |walls| &walls.directions_rad)
+    }
+
+    /// The walls of the map, where scans are compared with them.
+    pub(crate) fn floor_plan(&self) -> Option<&FloorPlan> {
+        self.scans.as_ref().map(|(_, plan)| plan)
     }
 
     /// The grid of tile joints, where joints are seen.
@@ -220,6 +251,9 @@ pub(crate) fn turned([x, y]: [f64; 2], angle_rad: f64) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+pub(crate) mod scan_trial;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;

@@ -96,6 +96,7 @@ impl ExtendedKalmanFilter {
                     layout: &self.layout,
                     tiles: self.cues.tiles(),
                     wall_directions_rad: self.cues.wall_directions_rad(),
+                    floor_plan: self.cues.floor_plan(),
                     tuning: &self.tuning,
                 };
                 measure(&mut self.belief, *mounted, seen, &known);

@@ -48,8 +48,8 @@ pub struct ParticleFilter {
     explained: Option<[f64; 2]>,
 }
 
-/// Decay of the short and of the long mean of how well the samples explain measured positions. Where the short one falls below the long one, the samples
-/// are lost, and a share of them is drawn from the measurement (*Probabilistic Robotics*, table 8.3: there 0 ≤ α_slow ≪ α_fast).
+/// Decay of the short and of the long mean of how well the samples explain measured positions. Where the short one falls below the long one, the
+/// samples are lost, and a share of them is drawn from the measurement (*Probabilistic Robotics*, table 8.3: there 0 ≤ α_slow ≪ α_fast).
 const DECAY: [f64; 2] = [0.3, 0.01];
 /// Standard deviation of a lost sample's heading, where a measured position does not tell the heading: that of a robot that has gone astray.
 const LOST_RAD: f64 = 0.1;
@@ -111,6 +111,7 @@ impl ParticleFilter {
         let known = Known {
             tiles: self.cues.tiles(),
             wall_directions_rad: self.cues.wall_directions_rad(),
+            floor_plan: self.cues.floor_plan(),
             area_m2: self.area_m2,
             scale: self.tuning.cues,
         };
@@ -157,12 +158,12 @@ fn best_pose(seen: &Seen, heading_rad: f64) -> Option<[f64; 3]> {
             let [dx, dy] = turned(*in_robot_m, heading_rad);
             Some([in_world_m[0] - dx, in_world_m[1] - dy, heading_rad])
         }
-        Seen::Joints(_) | Seen::Edges(_) | Seen::Landmarks(_) => None,
+        Seen::Joints(_) | Seen::Edges(_) | Seen::Lines(_) | Seen::Landmarks(_) => None,
     }
 }
 
-/// A pose drawn from a measurement of a position, for a sample that is lost. A heading that the measurement does not tell is that of the sample, but for
-/// an error; a heading that it tells is told up to whole turns, of which the samples keep count.
+/// A pose drawn from a measurement of a position, for a sample that is lost. A heading that the measurement does not tell is that of the sample, but
+/// for an error; a heading that it tells is told up to whole turns, of which the samples keep count.
 fn drawn_from(seen: &Seen, lost: [f64; 3], rng: &mut ChaCha8Rng) -> [f64; 3] {
     let normal = Vector3::from_fn(|_, _| StandardNormal.sample(rng));
     let heading_rad = lost[2] + LOST_RAD * normal[2];
@@ -174,7 +175,7 @@ fn drawn_from(seen: &Seen, lost: [f64; 3], rng: &mut ChaCha8Rng) -> [f64; 3] {
             [best[0] + off[0], best[1] + off[1], best[2] + off[2] + 2.0 * PI * turns]
         }
         Seen::Position { sigma_m, .. } => [best[0] + sigma_m * normal[0], best[1] + sigma_m * normal[1], best[2]],
-        Seen::Joints(_) | Seen::Edges(_) | Seen::Landmarks(_) => lost,
+        Seen::Joints(_) | Seen::Edges(_) | Seen::Lines(_) | Seen::Landmarks(_) => lost,
     }
 }
 

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::{scene::Scene, subject::half_turn};
 
-use super::{Cues, Edge, Joint, Landmark, Mount, Mounted, Seen, Told, heading_of, turned};
+use super::{Cues, Edge, FloorPlan, Joint, Landmark, Line, Mount, Mounted, Seen, Told, heading_of, turned};
 
 /// Standard deviations of a predicted place of a joint that half the distance between joints must hold for the nearest joint to be taken for the one
 /// that is seen: with fewer, a filter may follow the wrong tile for ever.
@@ -26,6 +26,7 @@ pub struct CueReader {
 struct Known {
     tiles: Option<TileGrid>,
     wall_directions_rad: Vec<f64>,
+    floor_plan: Option<FloorPlan>,
 }
 
 /// One thing that a reading says about the pose.
@@ -43,6 +44,7 @@ enum What {
     Markers { pose: [f64; 3], covariance: Matrix3<f64> },
     Joint(Joint),
     Walls(Vec<Edge>),
+    Line(Line),
     Landmark { code: u32, in_robot_m: Vector2<f64>, covariance: Matrix2<f64> },
     Position { in_robot_m: [f64; 2], in_world_m: [f64; 2], sigma_m: f64 },
 }
@@ -64,7 +66,8 @@ impl CueReader {
         let (map, robot) = (scene.map(), scene.robot_model());
         let cues = Cues::new(scene, &map, &robot);
         let wall_directions_rad = cues.wall_directions_rad().to_vec();
-        let known = Arc::new(Known { tiles: cues.tiles().cloned(), wall_directions_rad });
+        let floor_plan = cues.floor_plan().cloned();
+        let known = Arc::new(Known { tiles: cues.tiles().cloned(), wall_directions_rad, floor_plan });
         CueReader { cues, robot, known }
     }
 
@@ -82,6 +85,7 @@ impl CueReader {
             Seen::Pose { pose, covariance } => vec![cue(What::Markers { pose, covariance })],
             Seen::Joints(joints) => joints.into_iter().map(|joint| cue(What::Joint(joint))).collect(),
             Seen::Edges(edges) => vec![cue(What::Walls(edges))],
+            Seen::Lines(lines) => lines.into_iter().map(|line| cue(What::Line(line))).collect(),
             Seen::Landmarks(landmarks) => {
                 let scale_sigma = self.cues.range_scale_sigma().unwrap_or(0.0);
                 let landmark = |Landmark { code, in_robot_m, ray_m, covariance }| {
@@ -104,12 +108,13 @@ impl CueReader {
 }
 
 impl Cue {
-    /// What the cue is: `markers`, `joint`, `walls`, `landmark` or `position`.
+    /// What the cue is: `markers`, `joint`, `walls`, `line`, `landmark` or `position`.
     pub fn kind(&self) -> &'static str {
         match self.what {
             What::Markers { .. } => "markers",
             What::Joint(_) => "joint",
             What::Walls(_) => "walls",
+            What::Line(_) => "line",
             What::Landmark { .. } => "landmark",
             What::Position { .. } => "position",
         }
@@ -123,8 +128,8 @@ impl Cue {
         }
     }
 
-    /// Compares the cue with a predicted pose (x, y, heading) of a given covariance. `None` where the cue does not apply: a joint that may as well be
-    /// another one, edges that do not agree on a heading, a landmark, which no map gives.
+    /// Compares the cue with a predicted pose (x, y, heading) of a given covariance. `None` where the cue does not apply: a joint or a
+    /// line that may as well be another one, edges that do not agree on a heading, a line where no wall is, a landmark, which no map gives.
     pub fn compare(&self, pose: [f64; 3], covariance: &Matrix3<f64>) -> Option<Compared> {
         let [forward_m, left_m, yaw_rad] = self.mount.sigma;
         let [x_m, y_m, heading_rad] = pose;
@@ -160,6 +165,19 @@ impl Cue {
                 let sigma_rad = covariance[(2, 2)].max(0.0).sqrt().hypot(yaw_rad);
                 let (off_rad, noise_rad2) = heading_of(edges, &self.known.wall_directions_rad, heading_rad, sigma_rad)?;
                 Some(Compared::new(&[off_rad], &[TURN], &[noise_rad2 + yaw_rad.powi(2)]))
+            }
+            What::Line(line) => {
+                let plan = self.known.floor_plan.as_ref()?;
+                let met = plan.met(line, pose)?;
+                let (rows, noise) = plan.noise(line, &met, heading_rad, &self.mount);
+                let row = Vector3::from(rows[1]);
+                let off_m2 = row.dot(&(covariance * row)) + noise[(1, 1)];
+                let most_m = UNAMBIGUOUS_SIGMAS * off_m2.sqrt();
+                // What is farther from the wall than the errors allow stands before it.
+                if met.off_m.abs() > most_m || most_m > plan.half_way_m(line, pose, &met) {
+                    return None;
+                }
+                Some(Compared::new(&[met.turn_rad, met.off_m], &rows, noise.as_slice()))
             }
             What::Landmark { .. } => None,
             What::Position { in_robot_m, in_world_m, sigma_m } => {
@@ -203,7 +221,7 @@ mod tests {
             laying_angle_rad: 0.001,
             straightness_m: 0.0,
         };
-        let known = Arc::new(Known { tiles: Some(tiles), wall_directions_rad: vec![0.1] });
+        let known = Arc::new(Known { tiles: Some(tiles), wall_directions_rad: vec![0.1], floor_plan: None });
         Cue { measured_s: 0.0, what, mount: Mount { sigma: [0.003, 0.002, 0.004] }, known }
     }
 

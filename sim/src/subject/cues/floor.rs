@@ -93,13 +93,13 @@ impl Floor {
             .map(|[u, v, bound_px]| (Vector2::new(middle_v - v, middle_u - u) / per_m, bound_px / per_m))
             .collect();
         let n_wrong = (line.share_wrong * points.len() as f64).floor() as usize;
-        let (_, first_normal) = fitted(&points)?;
-        let (first_middle, _) = fitted(&points)?;
+        let places = |points: &[(Vector2<f64>, f64)]| points.iter().map(|(place, _)| *place).collect::<Vec<_>>();
+        let (first_middle, first_normal) = fitted(&places(&points))?;
         // The points farthest from a first fit may be wrong.
         let off = |point: &Vector2<f64>| (point - first_middle).dot(&first_normal).abs();
         points.sort_by(|one, other| off(&one.0).total_cmp(&off(&other.0)));
         points.truncate(points.len() - n_wrong);
-        let (middle, normal) = fitted(&points)?;
+        let (middle, normal) = fitted(&places(&points))?;
         let along = Vector2::new(-normal.y, normal.x);
         let n_points = points.len() as f64;
         let bound_m = points.iter().map(|(_, bound_m)| bound_m).sum::<f64>() / n_points;
@@ -126,12 +126,12 @@ impl Floor {
 }
 
 /// Middle and unit normal of the line with the least sum of squared distances from the points.
-fn fitted(points: &[(Vector2<f64>, f64)]) -> Option<(Vector2<f64>, Vector2<f64>)> {
+pub(super) fn fitted(points: &[Vector2<f64>]) -> Option<(Vector2<f64>, Vector2<f64>)> {
     if points.len() < 2 {
         return None;
     }
-    let middle = points.iter().map(|(point, _)| point).sum::<Vector2<f64>>() / points.len() as f64;
-    let scatter: Matrix2<f64> = points.iter().map(|(point, _)| (point - middle) * (point - middle).transpose()).sum();
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
+    let scatter: Matrix2<f64> = points.iter().map(|point| (point - middle) * (point - middle).transpose()).sum();
     let eigen = scatter.symmetric_eigen();
     let least = usize::from(eigen.eigenvalues[1] < eigen.eigenvalues[0]);
     Some((middle, eigen.eigenvectors.column(least).into_owned()))

@@ -23,14 +23,23 @@ use super::{
 pub(crate) struct Belief {
     pub(crate) mean: DVector<f64>,
     pub(crate) covariance: DMatrix<f64>,
-    /// Codes of the landmarks in the state, in the order of their places at its end.
-    pub(crate) landmarks: Vec<u32>,
-    /// Place of the first landmark.
-    first_landmark: usize,
+    /// Things in the state of two coordinates each, in the order of their places at its end.
+    pub(crate) things: Vec<Thing>,
+    /// Place of the first thing.
+    first_thing: usize,
     /// What the wheels have measured since the remembered pose.
     window: Window,
     /// Time up to which the belief has been carried.
     pub(crate) stamp_s: f64,
+}
+
+/// A thing in the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Thing {
+    /// A landmark by its code: where it is.
+    Landmark(u32),
+    /// A wall by its index on the floor plan: how far its two ends are before their places on the map.
+    Wall(usize),
 }
 
 /// The way by the wheels since the beginning of the present window.
@@ -54,10 +63,10 @@ impl Belief {
     pub(crate) fn start(layout: &Layout, start: &PoseBox) -> Belief {
         let (mean, covariance) = layout.start(start);
         let mut belief = Belief {
-            first_landmark: mean.len(),
+            first_thing: mean.len(),
             mean,
             covariance,
-            landmarks: Vec::new(),
+            things: Vec::new(),
             window: Window::default(),
             stamp_s: 0.0,
         };
@@ -69,9 +78,14 @@ impl Belief {
         Pose { x_m: self.mean[0], y_m: self.mean[1], heading_rad: self.mean[2] }
     }
 
-    /// Place of a landmark in the state.
-    pub(crate) fn landmark(&self, code: u32) -> Option<usize> {
-        self.landmarks.iter().position(|one| *one == code).map(|index| self.first_landmark + 2 * index)
+    /// Place of a thing in the state.
+    pub(crate) fn place_of(&self, thing: Thing) -> Option<usize> {
+        self.things.iter().position(|one| *one == thing).map(|index| self.first_thing + 2 * index)
+    }
+
+    /// Variance of what a row of a Jacobian says of the state.
+    pub(crate) fn variance(&self, row: &Row) -> f64 {
+        row.iter().map(|(i, a)| row.iter().map(|(j, b)| a * b * self.covariance[(*i, *j)]).sum::<f64>()).sum()
     }
 
     /// Carries the belief on by a step of the robot.
@@ -232,17 +246,31 @@ impl Belief {
         }
         let cross = &by_state * &self.covariance;
         let own = &cross * by_state.transpose() + noise;
+        self.add(Thing::Landmark(code), place, &cross, &own);
+    }
+
+    /// Adds a wall of which nothing is known but the standard deviation of either end's displacement, and returns its place in the state.
+    pub(crate) fn add_wall(&mut self, wall: usize, sigma_m: f64) -> usize {
+        let n = self.mean.len();
+        let own = Matrix2::from_diagonal_element(sigma_m * sigma_m);
+        self.add(Thing::Wall(wall), [0.0; 2], &Matrix2xX::zeros(n), &own);
+        n
+    }
+
+    /// Adds a thing with its mean, its covariance with the rest of the state, and its own.
+    fn add(&mut self, thing: Thing, [first, second]: [f64; 2], cross: &Matrix2xX<f64>, own: &Matrix2<f64>) {
+        let n = self.mean.len();
         let mut mean = DVector::zeros(n + 2);
         mean.rows_mut(0, n).copy_from(&self.mean);
-        mean[n] = place[0];
-        mean[n + 1] = place[1];
+        mean[n] = first;
+        mean[n + 1] = second;
         let mut covariance = DMatrix::zeros(n + 2, n + 2);
         covariance.view_mut((0, 0), (n, n)).copy_from(&self.covariance);
-        covariance.view_mut((n, 0), (2, n)).copy_from(&cross);
+        covariance.view_mut((n, 0), (2, n)).copy_from(cross);
         covariance.view_mut((0, n), (n, 2)).copy_from(&cross.transpose());
-        covariance.fixed_view_mut::<2, 2>(n, n).copy_from(&own);
+        covariance.fixed_view_mut::<2, 2>(n, n).copy_from(own);
         (self.mean, self.covariance) = (mean, covariance);
-        self.landmarks.push(code);
+        self.things.push(thing);
     }
 }
 

@@ -3,7 +3,7 @@
 use localizer::{PoseBox, RobotModel};
 use nalgebra::{DMatrix, DVector};
 
-use crate::subject::cues::{Cues, Mounted, SIGMAS_OF_BOUND};
+use crate::subject::cues::{Cues, FloorPlan, Mounted, SIGMAS_OF_BOUND};
 
 use super::Tuning;
 
@@ -24,6 +24,8 @@ pub(crate) struct Layout {
     mounts: [Option<usize>; Mounted::ALL.len()],
     /// Share by which all distances of the range camera are too long.
     pub(crate) range_scale: Option<usize>,
+    /// Shift along x and y, and turn, of all walls against the map.
+    pub(crate) floor_plan: Option<usize>,
     /// Pose at the beginning of the present window of motion, where several sensors measure the motion.
     pub(crate) past: Option<usize>,
     /// Standard deviations at the start of all quantities, those of the pose left 0.
@@ -73,10 +75,14 @@ impl Layout {
             Some(add(&mount.sigma.map(|sigma| (0.0, sigma / SIGMAS_OF_BOUND))))
         });
         let range_scale = cues.range_scale_sigma().map(|sigma| add(&[(0.0, sigma / SIGMAS_OF_BOUND)]));
+        let floor_plan = cues
+            .floor_plan()
+            .map(FloorPlan::sigma)
+            .map(|sigma| add(&sigma.map(|sigma| (0.0, sigma / SIGMAS_OF_BOUND))));
         let past = (gyro.is_some() || flow.is_some()).then(|| add(&[(0.0, 0.0); 3]));
         let changing =
             flow.iter().map(|[_, change, _]| *change).chain(slip).map(|place| (place, sigma[place])).collect();
-        Layout { gyro, flow, wheels: wheels_at, slip, changing, mounts, range_scale, past, sigma, mean }
+        Layout { gyro, flow, wheels: wheels_at, slip, changing, mounts, range_scale, floor_plan, past, sigma, mean }
     }
 
     /// Place of the mount's errors of a device.

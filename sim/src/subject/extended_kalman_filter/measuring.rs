@@ -4,13 +4,13 @@ use localizer::map::TileGrid;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3};
 
 use crate::subject::{
-    cues::{Edge, Joint, Landmark, Mounted, Seen, heading_of, turned},
+    cues::{Edge, FloorPlan, Joint, Landmark, Line, Mounted, Seen, heading_of, turned},
     half_turn,
 };
 
 use super::{
     Tuning,
-    belief::{Belief, Row},
+    belief::{Belief, Row, Thing},
     layout::Layout,
 };
 
@@ -19,11 +19,12 @@ pub(crate) struct Known<'a> {
     pub(crate) layout: &'a Layout,
     pub(crate) tiles: Option<&'a TileGrid>,
     pub(crate) wall_directions_rad: &'a [f64],
+    pub(crate) floor_plan: Option<&'a FloorPlan>,
     pub(crate) tuning: &'a Tuning,
 }
 
-/// Standard deviations of a predicted place of a joint that half the distance between joints must hold for the nearest joint to be taken for the one
-/// that is seen: with fewer, the filter may follow the wrong tile for ever.
+/// Standard deviations of a predicted place of a joint, or wall, that half the distance to the next one must hold for the nearest one to be taken for
+/// the one that is seen: with fewer, the filter may follow the wrong tile for ever.
 const UNAMBIGUOUS_SIGMAS: f64 = 3.0;
 
 /// The pose at which a device would be seen to be that has its mount's errors, with the derivatives of its x, y and heading.
@@ -48,6 +49,27 @@ impl Apparent {
                 vec![(0, 1.0), (2, -dy), (mount, cos), (mount + 1, -sin)],
                 vec![(1, 1.0), (2, dx), (mount, sin), (mount + 1, cos)],
                 vec![(2, 1.0), (mount + 2, 1.0)],
+            ],
+        }
+    }
+
+    /// The pose from which the device would see the walls where the map has them, on a floor plan that lies askew.
+    fn on(self, plan: &FloorPlan, belief: &Belief, layout: &Layout) -> Apparent {
+        let Some(at) = layout.floor_plan else { return self };
+        let [x_m, y_m, _] = self.pose;
+        let turn_rad = belief.mean[at + 2];
+        let [dx, dy] = plan.about_middle([x_m, y_m]);
+        let [by_x, by_y, by_turn] = self.rows;
+        let with = |row: &Row, other: &Row, by_other: f64, own: [(usize, f64); 2]| {
+            let turned = other.iter().map(|(place, slope)| (*place, slope * by_other));
+            row.iter().copied().chain(turned).chain(own).collect::<Row>()
+        };
+        Apparent {
+            pose: plan.seen_from(self.pose, [0, 1, 2].map(|axis| belief.mean[at + axis])),
+            rows: [
+                with(&by_x, &by_y, turn_rad, [(at, -1.0), (at + 2, dy)]),
+                with(&by_y, &by_x, -turn_rad, [(at + 1, -1.0), (at + 2, -dx)]),
+                by_turn.into_iter().chain([(at + 2, -1.0)]).collect(),
             ],
         }
     }
@@ -80,6 +102,11 @@ pub(crate) fn measure(belief: &mut Belief, mounted: Mounted, seen: &Seen, known:
             }
         }
         Seen::Edges(edges) => see_edges(belief, mounted, edges, known),
+        Seen::Lines(lines) => {
+            for line in lines {
+                see_line(belief, mounted, line, known);
+            }
+        }
         Seen::Landmarks(landmarks) => {
             for landmark in landmarks {
                 see_landmark(belief, mounted, landmark, known);
@@ -101,8 +128,7 @@ fn see_joint(belief: &mut Belief, mounted: Mounted, joint: &Joint, known: &Known
     let along = agreement.along;
     let weighted = |axis: usize| apparent.rows[axis].iter().map(move |(place, slope)| (*place, slope * along[axis]));
     let row: Row = weighted(0).chain(weighted(1)).collect();
-    let variance: f64 =
-        row.iter().map(|(i, a)| row.iter().map(|(j, b)| a * b * belief.covariance[(*i, *j)]).sum::<f64>()).sum();
+    let variance = belief.variance(&row);
     if UNAMBIGUOUS_SIGMAS * (variance + joint.sigma[1].powi(2)).sqrt() > agreement.half_edge_m {
         return;
     }
@@ -114,12 +140,38 @@ fn see_joint(belief: &mut Belief, mounted: Mounted, joint: &Joint, known: &Known
 fn see_edges(belief: &mut Belief, mounted: Mounted, edges: &[Edge], known: &Known<'_>) {
     let apparent = Apparent::of(belief, known.layout, mounted);
     let row = &apparent.rows[2];
-    let variance: f64 =
-        row.iter().map(|(i, a)| row.iter().map(|(j, b)| a * b * belief.covariance[(*i, *j)]).sum::<f64>()).sum();
+    let variance = belief.variance(row);
     let told = heading_of(edges, known.wall_directions_rad, apparent.pose[2], variance.max(0.0).sqrt());
     let Some((residual_rad, noise_rad2)) = told else { return };
     let noise = DMatrix::from_element(1, 1, noise_rad2 * known.tuning.cues.powi(2));
     belief.update(std::slice::from_ref(row), &DVector::from_element(1, residual_rad), &noise);
+}
+
+fn see_line(belief: &mut Belief, mounted: Mounted, line: &Line, known: &Known<'_>) {
+    let Some(plan) = known.floor_plan else { return };
+    let apparent = Apparent::of(belief, known.layout, mounted).on(plan, belief, known.layout);
+    let Some(met) = plan.met(line, apparent.pose) else { return };
+    let (_, rows) = apparent.place(line.middle_m);
+    let weighted = |axis: usize| rows[axis].iter().map(move |(place, slope)| (*place, slope * met.normal[axis]));
+    let mut across: Row = weighted(0).chain(weighted(1)).collect();
+    let own_m2 = (plan.placement_sigma_m.powi(2) + line.sigma[1].powi(2)) * known.tuning.cues.powi(2);
+    let most_m = UNAMBIGUOUS_SIGMAS * (belief.variance(&across) + own_m2).sqrt();
+    if most_m > plan.half_way_m(line, apparent.pose, &met) || met.off_m.abs() > most_m {
+        return;
+    }
+    let wall = belief.place_of(Thing::Wall(met.wall));
+    let wall = wall.unwrap_or_else(|| belief.add_wall(met.wall, plan.placement_sigma_m));
+    // A wall whose ends are in front of their places is nearer, and turned by their difference over its length.
+    let [at_from, at_to] = met.shares;
+    let ends_m = [belief.mean[wall], belief.mean[wall + 1]];
+    let off_m = met.off_m + at_from * ends_m[0] + at_to * ends_m[1];
+    let turn_rad = met.turn_rad + (ends_m[1] - ends_m[0]) / met.length_m;
+    across.extend([(wall, -at_from), (wall + 1, -at_to)]);
+    let mut turning = apparent.rows[2].clone();
+    turning.extend([(wall, met.length_m.recip()), (wall + 1, -met.length_m.recip())]);
+    let noise = DVector::from_column_slice(&line.sigma.map(|sigma| (sigma * known.tuning.cues).powi(2)));
+    let residual = DVector::from_column_slice(&[turn_rad, off_m]);
+    belief.update(&[turning, across], &residual, &DMatrix::from_diagonal(&noise));
 }
 
 fn see_landmark(belief: &mut Belief, mounted: Mounted, landmark: &Landmark, known: &Known<'_>) {
@@ -133,7 +185,7 @@ fn see_landmark(belief: &mut Belief, mounted: Mounted, landmark: &Landmark, know
         rows.iter_mut().zip(by_scale.iter()).for_each(|(row, slope)| row.push((at, *slope)));
     }
     let noise = turn * landmark.covariance * turn.transpose() * known.tuning.cues.powi(2);
-    let Some(at) = belief.landmark(landmark.code) else {
+    let Some(at) = belief.place_of(Thing::Landmark(landmark.code)) else {
         belief.add_landmark(landmark.code, place, &rows, &noise);
         return;
     };

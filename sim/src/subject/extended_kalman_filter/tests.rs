@@ -186,7 +186,7 @@ fn a_landmark_that_is_seen_again_ties_the_pose_to_where_it_was_first_seen() {
             seen(&mut filter, time_s, if step < 50 { 2.0 } else { 1.65 });
         }
     }
-    assert_eq!(filter.belief.landmarks, [7]);
+    assert_eq!(filter.belief.things, [belief::Thing::Landmark(7)]);
     let moved_m = filter.belief.mean[0] - 3.0;
     assert!((0.35..0.4).contains(&moved_m), "{moved_m} m, between 0.35 m by the landmark and 0.4 m by the wheels");
 }

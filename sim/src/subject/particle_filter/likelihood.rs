@@ -6,17 +6,23 @@ use localizer::map::TileGrid;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::subject::{
-    cues::{Edge, Joint, Seen, heading_of, turned, within_quarter},
+    cues::{Edge, FloorPlan, Joint, Line, READINGS_WHILE_LASTING, Seen, heading_of, turned, within_quarter},
     half_turn,
 };
 
 /// Share of the uniform density, for measurements that are wrong: that of AMCL's model of range readings (`z_rand`).
 const WRONG_SHARE: f64 = 0.05;
+/// Share of the lines of a scan that are no mapped walls but furniture: that of Nav2's AMCL (`z_rand`), since half of what stands along the walls of
+/// a furnished room is furniture.
+const FURNITURE_SHARE: f64 = 0.5;
+/// Range in metres within which a piece of furniture may be anywhere before a wall: that of a room.
+const BEFORE_WALL_M: f64 = 5.0;
 
 /// What measurements are compared with.
 pub(crate) struct Known<'a> {
     pub(crate) tiles: Option<&'a TileGrid>,
     pub(crate) wall_directions_rad: &'a [f64],
+    pub(crate) floor_plan: Option<&'a FloorPlan>,
     /// Area of the building, over which a wrong position may be anywhere.
     pub(crate) area_m2: f64,
     /// Factor on the standard deviations of measurements.
@@ -52,6 +58,10 @@ pub(crate) fn likelihood<'a>(
             }))
         }
         Seen::Edges(edges) => of_edges(edges, known, mean_rad),
+        Seen::Lines(lines) => {
+            let plan = known.floor_plan.filter(|_| !lines.is_empty())?;
+            Some(Box::new(move |at| lines.iter().map(|line| of_line(line, at, plan, known.scale)).sum()))
+        }
         // Landmarks are on no map, and a filter over poses alone keeps none.
         Seen::Landmarks(_) => None,
         Seen::Position { in_robot_m, in_world_m, sigma_m } => {
@@ -78,6 +88,21 @@ fn of_joint(joint: &Joint, at: [f64; 3], grid: &TileGrid, scale: f64) -> f64 {
         mixed(peak * (-0.5 * (off[side] / sigma[side]).powi(2)).exp(), anywhere[side].recip())
     };
     of_side(0) + of_side(1)
+}
+
+/// The line is the wall that it is nearest to, or furniture.
+///
+/// The displacements of the wall and of the whole plan are not sampled: they are too many. They last, so that the scans of a metre's way say together
+/// what one of them would say: each is given as many times their variance as there are such scans.
+fn of_line(line: &Line, at: [f64; 3], plan: &FloorPlan, scale: f64) -> f64 {
+    let anywhere = (BEFORE_WALL_M * PI).recip();
+    let by_wall = plan.met(line, at).and_then(|met| {
+        let own = Matrix2::from_diagonal(&Vector2::from(line.sigma.map(|sigma| (scale * sigma).powi(2))));
+        let covariance = own + plan.displaced(&met) * READINGS_WHILE_LASTING;
+        let (off, inverse) = (Vector2::new(met.turn_rad, met.off_m), covariance.try_inverse()?);
+        Some((-0.5 * off.dot(&(inverse * off))).exp() / (2.0 * PI * covariance.determinant().sqrt()))
+    });
+    ((1.0 - FURNITURE_SHARE) * by_wall.unwrap_or(0.0) + FURNITURE_SHARE * anywhere).ln()
 }
 
 fn of_edges<'a>(edges: &[Edge], known: &Known<'a>, mean_rad: f64) -> Option<Box<dyn Fn([f64; 3]) -> f64 + 'a>> {
