@@ -193,6 +193,11 @@ def test_what_is_shipped_and_what_a_command_names_travels(tmp_path, monkeypatch)
     files = sweep.travelling(sweep.options().parse_args(asked))
     mine = {path: content for path, (_, content) in files.items() if path.startswith(str(tmp_path))}
     assert mine == {f"{tmp_path}/{name}": name.encode() for name in ("filter.py", "data/noise.json", "data/map.json")}
+    # A sweep file's command runs in the present folder, wherever that file is.
+    (tmp_path / "sweeps").mkdir()
+    (tmp_path / "sweeps/sweep.toml").write_text(f'scene = "{ROOT / SCENE}"\nsubject = "python3 filter.py"\n')
+    files = sweep.travelling(sweep.options().parse_args(["sweeps/sweep.toml"]))
+    assert f"{tmp_path}/filter.py" in files
     with pytest.raises(sweep.Refused, match="failed to read .*nowhere"):
         sweep.travelling(sweep.options().parse_args([str(ROOT / SCENE), "--ship", "nowhere"]))
 
@@ -210,16 +215,29 @@ def test_folders_of_killed_workers_are_deleted(tmp_path, monkeypatch):
     assert not os.path.exists(folder)
 
 
-def test_an_address_at_which_nothing_listens_is_refused_at_once(tmp_path):
+def test_an_address_at_which_nothing_listens_is_refused_at_once(tmp_path, monkeypatch):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    for address in (f"127.0.0.1:{port}", f"ray://127.0.0.1:{port}"):
+    monkeypatch.setattr(os, "environ", os.environ | {"RAY_ADDRESS": f"127.0.0.1:{port}"})
+    for address in (f"127.0.0.1:{port}", f"ray://127.0.0.1:{port}", "auto"):
         began = time.monotonic()
         nowhere = type("Nowhere", (), {"address": address})
         code, said = finish(start(nowhere, tmp_path / "none", "--vary", "duration_s=1"))
-        assert code == 2 and f"failed to connect to a Ray cluster at {address}" in said and "Warning" not in said, said
+        assert code == 2 and "failed to connect to a Ray cluster at " in said and "Warning" not in said, said
+        assert str(port) in said, said
         assert time.monotonic() - began < 30 and not (tmp_path / "none").exists()
+
+
+def test_hidden_files_of_others_are_left_alone_and_no_number_is_no_limit(cluster, tmp_path):
+    (tmp_path / "shared/cases").mkdir(parents=True)
+    hidden = tmp_path / "shared/cases/.nfs0001"
+    hidden.write_text("of the file system")
+    options = ["--vary", "duration_s=1", "--junit", tmp_path / "new/folder/junit.xml"]
+    code, said = finish(start(cluster, tmp_path / "shared", *options))
+    assert code == 0 and hidden.exists() and (tmp_path / "new/folder/junit.xml").exists(), said
+    code, said = finish(start(cluster, tmp_path / "other", "--case-timeout-s", "nan"))
+    assert code == 2 and "--case-timeout-s: expected at least" in said, said
 
 
 def test_two_drivers_do_not_write_into_one_folder(cluster, tmp_path):
