@@ -23,6 +23,7 @@ pub(super) fn report_folder(arguments: &ReportArguments) -> Result<ExitCode, Com
         let (sketch, plan) = Sketch::of_tables(folders)?;
         return conclude_sketch(sketch, plan, out, outputs);
     }
+    outputs.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     let [folder] = folders.as_slice() else { return Err(CommandError::SeveralReported(folders.len())) };
     match read_plan(folder)? {
         Some(plan) => conclude_sweep(folder, plan, &|_| true, outputs),

@@ -43,6 +43,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
 
 /// Merges the parts of a sweep and writes the results of the whole.
 pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, CommandError> {
+    arguments.outputs.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     let store = Store::open(&arguments.out)?;
     let plan = merge(&arguments.folders, &store)?;
     conclude_sweep(&arguments.out, plan, &|_| true, &arguments.outputs)

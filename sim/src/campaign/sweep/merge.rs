@@ -52,14 +52,19 @@ pub fn expect_same(join: &'static str, one: (&Path, &Plan), other: (&Path, &Plan
 /// Describes what differs between two plans; none when they are equal.
 fn difference(one: &Plan, other: &Plan) -> Option<String> {
     let differ = |name: &str, one: String, other: String| (one != other).then(|| format!("{name}: {one} and {other}"));
-    let keys = |plan: &Plan| format!("{:?}", plan.vary);
+    let keys = |plan: &Plan| {
+        let each: Vec<String> =
+            plan.vary.iter().map(|variable| format!("{} = {}", variable.key, variable.shown_values())).collect();
+        if each.is_empty() { "nothing".to_owned() } else { each.join("; ") }
+    };
+    let seeds = |plan: &Plan| format!("{}..{}", plan.seeds[0], plan.seeds[1]);
     let optional = |text: &Option<String>| text.clone().unwrap_or_else(|| "none".to_owned());
     differ("scene", one.scene.clone(), other.scene.clone())
         .or_else(|| differ("what the scene states", one.scene_digest.clone(), other.scene_digest.clone()))
         .or_else(|| differ("what varies", keys(one), keys(other)))
         .or_else(|| differ("localizer", one.subject.clone(), other.subject.clone()))
         .or_else(|| differ("baselines", one.baselines.to_string(), other.baselines.to_string()))
-        .or_else(|| differ("seeds", format!("{:?}", one.seeds), format!("{:?}", other.seeds)))
+        .or_else(|| differ("seeds", seeds(one), seeds(other)))
         .or_else(|| differ("version", one.version.clone(), other.version.clone()))
         .or_else(|| differ("program", optional(&one.program), optional(&other.program)))
         .or_else(|| differ("adapter", optional(&one.adapter), optional(&other.adapter)))

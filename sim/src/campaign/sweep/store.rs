@@ -186,9 +186,11 @@ fn lock(folder: &Path) -> Result<File, SweepError> {
     Ok(file)
 }
 
+/// Deletes the folders that an interrupted sweep has left half written. Hidden files are others': network file systems and desktops make some.
 fn remove_hidden(folder: &Path) -> Result<(), RecordError> {
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-    for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with('.')) {
+    let is_hidden = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with('.');
+    for entry in entries.flatten().filter(|entry| is_hidden(entry) && entry.path().is_dir()) {
         naming("delete", &entry.path(), fs::remove_dir_all(entry.path()))?;
     }
     Ok(())
