@@ -16,6 +16,9 @@ pub(super) struct Combinations {
     pub(super) n_left_out: usize,
 }
 
+/// Greatest number of columns that say which combination a line is about; where there would be more, the keys share one column.
+const MOST_LABELS: usize = 4;
+
 /// Reads `all`, or the names of figures of a report with commas between them.
 pub fn shown_figures(text: &str) -> Result<Shown, UnknownColumn> {
     Shown::among(text, &MEASURES.map(|measure| measure.key))
@@ -44,21 +47,41 @@ impl Overview {
         (chosen, n_left_out)
     }
 
+    /// Headings of the columns that say which combination a line is about.
+    pub(super) fn label_headings(&self) -> Vec<String> {
+        let is_one = usize::from(self.has_scenes) + usize::from(self.has_subjects) + self.keys.len() > MOST_LABELS;
+        let mut headings = self.labels("scene", "localizer", str::to_owned);
+        if let Some(last) = headings.last_mut().filter(|_| is_one) {
+            *last = "settings".to_owned();
+        }
+        headings
+    }
+
+    /// What says which combination a line is about, by the values of its keys: scene and localizer where there are several, and the values, in one text
+    /// where they would be too many columns.
+    pub(super) fn labels(&self, scene: &str, subject: &str, value: impl Fn(&str) -> String) -> Vec<String> {
+        let mut labels: Vec<String> = Vec::new();
+        labels.extend(self.has_scenes.then(|| scene.to_owned()));
+        labels.extend(self.has_subjects.then(|| subject.to_owned()));
+        if labels.len() + self.keys.len() <= MOST_LABELS {
+            labels.extend(self.keys.iter().map(|key| value(key)));
+        } else {
+            let leaf = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
+            let each = self.keys.iter().map(|key| format!("{}={}", leaf(key), value(key)));
+            labels.push(each.collect::<Vec<_>>().join(" "));
+        }
+        labels
+    }
+
     /// The table of all combinations.
     pub(super) fn combinations(&self) -> Combinations {
-        let mut headings: Vec<String> = Vec::new();
-        headings.extend(self.has_scenes.then(|| "scene".to_owned()));
-        headings.extend(self.has_subjects.then(|| "localizer".to_owned()));
-        headings.extend(self.keys.iter().cloned());
+        let mut headings = self.label_headings();
         let n_labels = headings.len();
         headings.push("passed".to_owned());
         let (chosen, n_left_out) = self.chosen(headings.len());
         headings.extend(chosen.iter().map(|measure| measure.heading()));
         let row = |group: &Group| {
-            let mut cells: Vec<String> = Vec::new();
-            cells.extend(self.has_scenes.then(|| group.scene.clone()));
-            cells.extend(self.has_subjects.then(|| group.subject.clone()));
-            cells.extend(self.keys.iter().map(|key| group.value(key)));
+            let mut cells = self.labels(&group.scene, &group.subject, |key| group.value(key));
             cells.push(format!("{}/{}", group.n_passed, group.n_cases));
             cells.extend(chosen.iter().map(|measure| measure.of(&group.figures)));
             cells

@@ -74,6 +74,9 @@ fn plane(overview: &Overview) -> Option<Plane> {
     Some(Plane { across, down })
 }
 
+/// Logarithm of the ratio of the greatest to the least result that the colours span at least, so that results that differ by less look alike.
+const LEAST_RANGE: f64 = 0.7;
+
 fn heatmap(overview: &Overview, plane: &Plane, measure: &Measure) -> String {
     let (columns, rows) = (plane.across.values.len(), plane.down.values.len());
     let cell_width = (WIDTH - LEFT) / columns as f64;
@@ -142,7 +145,8 @@ fn tone(measure: &Measure, value: Option<f64>, all: &[Option<f64>]) -> Option<(&
     let known = || all.iter().flatten().copied().filter(|value| *value > 0.0);
     let (least, most) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
     // The strength of the colour grows with the logarithm of the result, as widths and errors range over decades.
-    let share = if most > least && value > 0.0 { (value / least).ln() / (most / least).ln() } else { 0.0 };
+    let range = (most / least).ln().max(LEAST_RANGE);
+    let share = if most > least && value > 0.0 { (value / least).ln() / range } else { 0.0 };
     Some(("--blue", 0.08 + 0.84 * share))
 }
 

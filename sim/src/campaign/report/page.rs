@@ -74,7 +74,8 @@ fn key_figures(overview: &Overview) -> Markup {
     let number = |name: &str| overview.figures.get(name).copied().unwrap_or_default();
     html! {
         dl.figures {
-            @for measure in overview.measures().filter(|measure| !measure.is_detail()) {
+            // Pooled over several localizers, a figure would be nobody's.
+            @for measure in overview.measures().filter(|measure| !measure.is_detail() && !overview.has_subjects) {
                 div title=(measure.meaning) {
                     dt { (measure.name) }
                     dd { (measure.of(&overview.figures)) " " small { (measure.unit) } }
@@ -331,17 +332,16 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
         None => "not run",
     };
     let is_blamed = results.cases.iter().any(|case| case.first_failure()["blame"].is_string());
-    let n_labels = usize::from(overview.has_scenes) + usize::from(overview.has_subjects) + overview.keys.len();
+    let headings = overview.label_headings();
+    let labels = |case: &CaseResult| overview.labels(&case.scene, &case.subject, |key| case.value(key));
     // Beside the figures are seed, verdict, and what is to blame.
-    let (chosen, _) = overview.chosen(n_labels + 2 + usize::from(is_blamed));
+    let (chosen, _) = overview.chosen(headings.len() + 2 + usize::from(is_blamed));
     html! {
         details {
             summary { @if overview.sketched.is_some() { "The " (results.cases.len()) " cases that are kept" } @else { "All " (results.cases.len()) " cases" } }
             div.table { table {
                 thead { tr {
-                    @if overview.has_scenes { th.text { "scene" } }
-                    @if overview.has_subjects { th.text { "localizer" } }
-                    @for key in &overview.keys { th.text { (key) } }
+                    @for heading in &headings { th.text { (heading) } }
                     th { "seed" } th { "verdict" }
                     @for measure in &chosen { th { (measure.heading()) } }
                     @if is_blamed { th.text { "blame" } }
@@ -349,9 +349,7 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
                 tbody id="cases" { @for case in results.cases.iter().take(MOST_ROWS) {
                     @let figures = case.figures();
                     tr {
-                        @if overview.has_scenes { td.text { (case.scene) } }
-                        @if overview.has_subjects { td.text { (case.subject) } }
-                        @for key in &overview.keys { td.text { (case.value(key)) } }
+                        @for label in labels(case) { td.text { (label) } }
                         td { (case.seed) }
                         td.bad[case.passed() != Some(true)] { (verdict(case)) }
                         @for measure in &chosen { td { (measure.of(&figures)) } }
