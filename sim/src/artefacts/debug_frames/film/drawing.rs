@@ -35,6 +35,8 @@ const ARROWS_PX: [f64; 2] = [24.0, 56.0];
 const WEDGES_PX: [f64; 2] = [34.0, 72.0];
 /// Height of the legend below the figures.
 const LEGEND_PX: f64 = 40.0;
+/// Height of the gaps above and below the chart.
+const GAPS_PX: f64 = 26.0;
 /// Least height of the chart of widths; with less room there is none.
 const CHART_PX: f64 = 40.0;
 
@@ -228,18 +230,21 @@ impl<'a> Drawing<'a> {
     fn status(&self, canvas: &mut Canvas, moment: &Moment<'_>, time_s: f64) {
         let panel = self.layout.status;
         let lines = match moment.is_end {
-            true => status::of_outcome(self.record, self.verdict, panel.width_px),
+            true => {
+                let room_px = panel.height_px - LEGEND_PX - GAPS_PX - CHART_PX;
+                status::of_outcome(self.record, self.verdict, [panel.width_px, room_px])
+            }
             false => status::of_step(self.record, self.verdict, moment.step),
         };
         let mut top_px = panel.top_px;
         for line in lines {
             canvas.text([panel.left_px, top_px], line.height_px, line.colour, &line.text);
-            top_px += (1.3 * f64::from(line.height_px)).round();
+            top_px += line.pitch_px();
         }
         let bottom_px = panel.top_px + panel.height_px;
         let legend = Panel { top_px: bottom_px - LEGEND_PX, height_px: LEGEND_PX, ..panel };
         draw_legend(canvas, legend, TEXT_PX, &self.legend());
-        let chart = Panel { top_px: top_px + 12.0, height_px: legend.top_px - 14.0 - (top_px + 12.0), ..panel };
+        let chart = Panel { top_px: top_px + 12.0, height_px: legend.top_px - top_px - GAPS_PX, ..panel };
         if chart.height_px >= CHART_PX {
             self.widths.draw(canvas, chart, time_s);
         }

@@ -25,7 +25,7 @@ pub(super) struct Line {
 const LARGE_PX: f32 = 21.0;
 const SMALL_PX: f32 = 15.0;
 /// Greatest number of lines about expectations that were not met.
-const MOST_FAILED: usize = 4;
+const MOST_FAILED: usize = 2;
 
 fn large(text: String, colour: Rgb<u8>) -> Line {
     Line { text, height_px: LARGE_PX, colour }
@@ -87,8 +87,15 @@ fn cause(judgement: Judgement) -> &'static str {
     }
 }
 
-/// The lines about the outcome of a run, none wider than this.
-pub(super) fn of_outcome(record: &RunRecord, verdict: &Verdict, width_px: f64) -> Vec<Line> {
+impl Line {
+    /// Height of the line with the gap below it.
+    pub(super) fn pitch_px(&self) -> f64 {
+        (1.3 * f64::from(self.height_px)).round()
+    }
+}
+
+/// The lines about the outcome of a run, the most important first: none wider than this, and as many as this height has room for.
+pub(super) fn of_outcome(record: &RunRecord, verdict: &Verdict, [width_px, height_px]: [f64; 2]) -> Vec<Line> {
     let mut lines = Vec::new();
     if verdict.verdict.passed {
         lines.push(large("passed".to_owned(), palette::TRUTH));
@@ -115,6 +122,7 @@ pub(super) fn of_outcome(record: &RunRecord, verdict: &Verdict, width_px: f64) -
         lines.push(small(format!("{reached} of {} goals reached", log.errands.len())));
     }
     lines.iter_mut().for_each(|line| line.text = cut(&line.text, line.height_px, width_px));
+    while lines.iter().map(Line::pitch_px).sum::<f64>() > height_px && lines.pop().is_some() {}
     lines
 }
 
