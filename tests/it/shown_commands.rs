@@ -260,3 +260,53 @@ fn a_misspelt_command_is_told_with_file_and_line() {
     assert!(wrong.len() == 2 && n_commands == 3, "{n_commands} {wrong:?}");
     assert!(wrong[0].starts_with("script:1: wherein mrege") && wrong[1].starts_with("script:3: wherein sweap"));
 }
+
+/// Each call of a script of the repository in a line: the script, and the names of the options that it is given.
+fn script_calls(line: &str) -> Vec<(String, Vec<String>)> {
+    let tokens = tokens(line);
+    let commands = tokens.split(|token| *token == Token::End);
+    let call = |command: &[Token]| {
+        let words: Vec<&str> = command
+            .iter()
+            .filter_map(|token| if let Token::Word(word) = token { Some(word.as_str()) } else { None })
+            .collect();
+        // Before it there may be an interpreter and values of variables.
+        let at = words.iter().take(4).position(|word| word.starts_with("scripts/"))?;
+        let options = words[at + 1..].iter().filter(|word| word.starts_with("--") && word.len() > 2);
+        let names = options.map(|option| option.split('=').next().unwrap().to_owned()).collect();
+        Some((words[at].to_owned(), names))
+    };
+    commands.filter_map(call).collect()
+}
+
+/// How many calls of scripts a page shows, and which of them name a script or an option that there is not.
+fn checked_scripts(path: &Path, text: &str) -> (usize, Vec<String>) {
+    let (mut n_calls, mut wrong) = (0, Vec::new());
+    for (number, line) in whole_lines(code_lines(text).into_iter()) {
+        for (script, options) in script_calls(&line) {
+            n_calls += 1;
+            let source = fs::read_to_string(root().join(&script)).unwrap_or_default();
+            let has =
+                |option: &String| source.contains(&format!("\"{option}\"")) || source.contains(&format!(" {option}"));
+            if source.is_empty() || !options.iter().all(has) {
+                wrong.push(format!("{}:{number}: {line}", path.display()));
+            }
+        }
+    }
+    (n_calls, wrong)
+}
+
+#[test]
+fn every_script_that_a_document_calls_has_the_options_that_it_is_given() {
+    let (mut n_calls, mut wrong) = (0, Vec::new());
+    for (path, text) in documents() {
+        let (n_of_page, of_page) = checked_scripts(path.strip_prefix(root()).unwrap(), &text);
+        n_calls += n_of_page;
+        wrong.extend(of_page);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(n_calls >= 3, "{n_calls} calls");
+    let page = "```sh\nscripts/ray_swep x.toml\npython3 scripts/ray_sweep x.toml --out a --addres local\nscripts/ray_sweep x --jobs=2\n```\n";
+    let (n_calls, wrong) = checked_scripts(Path::new("page.md"), page);
+    assert_eq!((n_calls, wrong.len()), (3, 2), "{wrong:?}");
+}
