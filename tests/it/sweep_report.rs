@@ -142,6 +142,32 @@ fn tables_for_people_have_eight_columns_and_others_by_name() {
 }
 
 #[test]
+fn many_keys_share_a_column_so_that_figures_have_room() {
+    let more =
+        ["floor.friction=0.5,0.8", "start.tolerance_m=0.01,0.02", "duration_s=0.5,1", "bounds.slip_ratio=0.01,0.02"];
+    let folder = folder("report_many_keys");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    let mut sweep = vec!["sweep", "scene.toml", "--vary", "localizer.declared_width_m=0.9,1", "--out", "out"];
+    more.iter().for_each(|varied| sweep.extend(["--vary", varied]));
+    let (code, stdout, stderr) = outcome(&mut wherein(&folder, &sweep));
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    let html = read(&folder, "out/report.html");
+    let first = &table(&html, "combinations")[0];
+    assert_eq!(first[0], "declared_width_m=0.9 friction=0.5 tolerance_m=0.01 duration_s=0.5 slip_ratio=0.01");
+    assert!(first[1] == "1/1" && first[2] == "100" && first.len() <= 8, "{first:?}");
+    assert_eq!(
+        table(&html, "cases")[31][0],
+        first[0]
+            .replace("0.9 ", "1 ")
+            .replace("0.5 t", "0.8 t")
+            .replace("0.01 d", "0.02 d")
+            .replace("0.5 s", "1 s")
+            .replace("o=0.01", "o=0.02")
+    );
+    assert!(stdout.lines().next().unwrap().trim_start().starts_with("settings"), "{stdout}");
+}
+
+#[test]
 fn every_column_is_documented() {
     let (folder, _) = swept("report_columns", &[]);
     let documented = fs::read_to_string(root().join("docs/src/sweeps.md")).unwrap();
