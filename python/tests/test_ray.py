@@ -219,7 +219,7 @@ def test_an_address_at_which_nothing_listens_is_refused_at_once(tmp_path, monkey
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    monkeypatch.setattr(os, "environ", os.environ | {"RAY_ADDRESS": f"127.0.0.1:{port}"})
+    monkeypatch.setenv("RAY_ADDRESS", f"127.0.0.1:{port}")
     for address in (f"127.0.0.1:{port}", f"ray://127.0.0.1:{port}", "auto"):
         began = time.monotonic()
         nowhere = type("Nowhere", (), {"address": address})
