@@ -192,6 +192,12 @@ fn a_marker_names_columns_and_a_csv_file_has_all_of_them() {
         [&"runs,left,", &"runs,right,"]
     );
 
+    // No other file is overwritten.
+    fs::write(folder.join("notes.md"), "mine\n").unwrap();
+    let (code, _, refusal) = outcome(&mut wherein(&folder, &["table", "left", "--csv", "notes.md"]));
+    assert!(code == 2 && refusal.contains("notes.md") && refusal.contains("expected a first line"), "{refusal}");
+    assert_eq!(fs::read_to_string(folder.join("notes.md")).unwrap(), "mine\n");
+
     fs::write(folder.join("page.md"), page("scene,check")).unwrap();
     let (code, _, refusal) = table("left");
     assert_eq!(code, 2);

@@ -61,7 +61,7 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
     let mut rows: Vec<Row> = lines(&outcomes, false).iter().map(Row::from).collect();
     if let Some(path) = &arguments.csv {
         let before = if path.exists() { naming("read", path, fs::read_to_string(path))? } else { String::new() };
-        let before = naming("read", path, from_csv(&before).map_err(io::Error::other))?;
+        let before = naming("read", path, from_csv(&before))?;
         rows = joined(&rows, before);
         let csv = as_csv(&rows).map_err(io::Error::other);
         run_files::replace_file(path, &naming("write", path, csv)?)?;

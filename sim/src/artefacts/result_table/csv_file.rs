@@ -1,6 +1,9 @@
 //! The result table as a CSV file with all columns, for programs and for readers who miss a column in a table for people.
 
+use std::io;
+
 use csv::{Reader, StringRecord, Writer};
+use thiserror::Error;
 
 use super::{
     Kind, Row,
@@ -20,17 +23,31 @@ pub fn as_csv(rows: &[Row]) -> csv::Result<Vec<u8>> {
     writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
 }
 
-/// Reads the rows of such a file; none where it has other columns, as of another version of the program.
-pub fn from_csv(text: &str) -> csv::Result<Vec<Row>> {
-    let mut reader = Reader::from_reader(text.as_bytes());
-    if *reader.headers()? != head() {
+/// A file that does not have the columns of the result table: another file, or one of another version of the program.
+#[derive(Debug, Error)]
+#[error(
+    "not a table of this program: expected a first line that begins with line,scene, and the names of all columns, or no such file"
+)]
+struct OtherColumns;
+
+/// Reads the rows of such a file; none of an empty text.
+///
+/// # Errors
+/// Returns an error for a text with other columns, or that is no CSV.
+pub fn from_csv(text: &str) -> io::Result<Vec<Row>> {
+    if text.is_empty() {
         return Ok(Vec::new());
+    }
+    let mut reader = Reader::from_reader(text.as_bytes());
+    if *reader.headers().map_err(io::Error::other)? != head() {
+        return Err(io::Error::other(OtherColumns));
     }
     let row = |record: StringRecord| {
         let (kind, _) = KINDS.iter().find(|(_, name)| record.get(0) == Some(*name))?;
         Some(Row { kind: *kind, cells: record.iter().skip(1).map(str::to_owned).collect() })
     };
-    reader.into_records().filter_map(|record| record.map(row).transpose()).collect()
+    let rows: csv::Result<_> = reader.into_records().filter_map(|record| record.map(row).transpose()).collect();
+    rows.map_err(io::Error::other)
 }
 
 /// The rows of some scenes together with those of `before` that are of other scenes, in the order of the scenes' names.
@@ -70,7 +87,8 @@ mod tests {
         let csv = String::from_utf8(as_csv(&rows).unwrap()).unwrap();
         assert!(csv.starts_with("line,scene,localizer,run,checks,") && csv.contains(",20.0,"), "{csv}");
         assert_eq!(from_csv(&csv).unwrap(), rows);
-        assert_eq!(from_csv("line,scene\nruns,c\n").unwrap(), []);
+        assert_eq!(from_csv("").unwrap(), []);
+        assert!(from_csv("# Notes\n").unwrap_err().to_string().contains("expected a first line"));
     }
 
     #[test]

@@ -152,14 +152,18 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
     let worst = diverse(overview.worst.iter().map(|index| &results.cases[*index]));
     // Where only the worst cases are kept, none of them is a typical one.
     let typical = if overview.sketched.is_some() { None } else { typical(results) };
+    let has_boxes = overview.figures.contains_key("width.x_m.mean");
     let typical = typical.filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
     html! {
         @if !worst.is_empty() {
             h2 { "The worst cases" }
             p.note {
                 @if overview.n_missed == 0 { "No case failed; these are the worst of those that passed. " }
-                "Of different seeds and combinations first. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull. "
-                "Grey stripes: the scene's events."
+                "Of different seeds and combinations first. "
+                @if has_boxes {
+                    "Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull. Grey stripes: the scene's "
+                    "events."
+                }
             }
             @for case in worst { (told(overview, case)) }
             @if let Some(case) = typical {
