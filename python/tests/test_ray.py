@@ -1,4 +1,4 @@
-"""Sweeps on a Ray cluster of nodes on this machine: scripts/ray_sweep.
+"""Sweeps on a Ray cluster of nodes on this machine: wherein.ray, called by scripts/ray_sweep without the package.
 
 The environment variable WHEREIN names the program, by default that of the last build.
 """
@@ -29,16 +29,16 @@ if not os.path.exists(PROGRAM):
     pytest.skip(f"found no program {PROGRAM}", allow_module_level=True)
 
 
-def load(name):
-    """Returns a script of the folder scripts as a module."""
-    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+def load(name, path):
+    """Returns a file of the repository as a module of this name."""
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / path))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
     sys.modules[name] = module
     loader.exec_module(module)
     return module
 
 
-trial = load("ray_trial")
+trial = load("ray_trial", "scripts/ray_trial")
 
 
 @pytest.fixture(scope="module")
@@ -183,12 +183,21 @@ def test_the_options_of_a_sweep_reach_the_cases_and_the_report(cluster, tmp_path
     assert len(rows[0]) == 4 and rows[0] == rows[1]
 
 
+def test_the_module_of_the_package_is_the_script(tmp_path):
+    pytest.importorskip("wherein", reason="the package is not installed")
+    script, module = (
+        subprocess.run([sys.executable, *how, "--help"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+        for how in ([SCRIPT], ["-m", "wherein.ray"])
+    )
+    assert script == module and "usage: wherein.ray" in script
+
+
 def test_what_is_shipped_and_what_a_command_names_travels(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "data").mkdir()
     for name in ("filter.py", "data/noise.json", "data/map.json", "other.py"):
         (tmp_path / name).write_text(name)
-    sweep = load("ray_sweep")
+    sweep = load("wherein_ray", "python/wherein/ray.py")
     asked = [str(ROOT / SCENE), "--subject", "python3 filter.py", "--ship", "data"]
     files = sweep.travelling(sweep.options().parse_args(asked))
     mine = {path: content for path, (_, content) in files.items() if path.startswith(str(tmp_path))}
@@ -204,7 +213,7 @@ def test_what_is_shipped_and_what_a_command_names_travels(tmp_path, monkeypatch)
 
 def test_folders_of_killed_workers_are_deleted(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    sweep = load("ray_sweep")
+    sweep = load("wherein_ray", "python/wherein/ray.py")
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
     left, used = (sweep.node_folder() / f"shard-{pid}-x" for pid in (ended.pid, os.getpid()))
