@@ -244,6 +244,7 @@ fn log_of(case: &CaseResult) -> Option<String> {
     summary["log"].is_object().then(|| log_text(summary))
 }
 
+/// Shows the table of all combinations with the figures that were asked for, and below it, to unfold, with all figures.
 fn groups(overview: &Overview) -> Markup {
     let usual = overview.combinations();
     let all = Overview { shown: Shown::All, ..overview.clone() }.combinations();
@@ -329,6 +330,7 @@ fn methods(overview: &Overview) -> Markup {
     }
 }
 
+/// Shows every case in a table to unfold: its settings, seed, verdict and some figures, and, where any truth was outside, what is to blame.
 fn cases(overview: &Overview, results: &Results) -> Markup {
     let verdict = |case: &CaseResult| match case.passed() {
         Some(true) => "passed",

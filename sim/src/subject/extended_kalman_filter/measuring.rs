@@ -147,6 +147,9 @@ fn see_edges(belief: &mut Belief, mounted: Mounted, edges: &[Edge], known: &Know
     belief.update(std::slice::from_ref(row), &DVector::from_element(1, residual_rad), &noise);
 }
 
+/// Compares a line of a scan with the nearest wall of the floor plan: its direction with the wall's, and its middle with the wall's place. The line is
+/// left out where it may as well be another wall, or stands farther from the wall than the errors allow, as furniture does. A wall that is met for the
+/// first time is added to the state, with nothing known of it but how far its ends may be displaced.
 fn see_line(belief: &mut Belief, mounted: Mounted, line: &Line, known: &Known<'_>) {
     let Some(plan) = known.floor_plan else { return };
     let apparent = Apparent::of(belief, known.layout, mounted).on(plan, belief, known.layout);
