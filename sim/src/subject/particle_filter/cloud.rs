@@ -207,7 +207,8 @@ impl Cloud {
         for off in quantities.iter().map(|quantities| quantities - mean) {
             covariance.ger(1.0 / n_samples, &off, &off, 1.0);
         }
-        // A quantity that no sample varies has neither variance nor kernel.
+        // A quantity that no sample varies, such as the mount of a device that there is not, has no kernel and draws no random numbers.
+        let varies: [bool; N_QUANTITIES] = std::array::from_fn(|quantity| covariance[(quantity, quantity)] > 0.0);
         for quantity in 0..N_QUANTITIES {
             let variance = covariance[(quantity, quantity)];
             covariance[(quantity, quantity)] = variance * (1.0 + LEAST_OWN) + f64::MIN_POSITIVE;
@@ -215,7 +216,9 @@ impl Cloud {
         let Some(root) = covariance.cholesky().map(|root| root.l()) else { return };
         let kept = (1.0 - KERNEL * KERNEL).sqrt();
         for (sample, quantities) in self.samples.iter_mut().zip(&quantities) {
-            let normal = Quantities::from_fn(|_, _| StandardNormal.sample(&mut self.rng));
+            let normal = Quantities::from_fn(|quantity, _| {
+                if varies[quantity] { StandardNormal.sample(&mut self.rng) } else { 0.0 }
+            });
             let off = root * normal * KERNEL;
             let mut spread = mean + (quantities - mean) * kept + off;
             // Poses may form several clusters, which are not drawn together.
@@ -237,7 +240,8 @@ fn drawn(rng: &mut ChaCha8Rng, constants: &Constants) -> Errors {
         bias_rad_per_s: constants.bias_rad_per_s * normal,
         mounts: constants.mounts.map(|sigma| {
             sigma.map(|sigma| {
-                let normal: f64 = StandardNormal.sample(rng);
+                // A device that there is not draws no random numbers, so that a new kind of device changes nothing for robots without it.
+                let normal: f64 = if sigma > 0.0 { StandardNormal.sample(rng) } else { 0.0 };
                 sigma * normal
             })
         }),

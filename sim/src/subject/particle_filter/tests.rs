@@ -37,7 +37,7 @@ fn a_position_to_the_millimetre_leaves_many_samples_that_are_spread_as_it_says()
     });
     for (axis, by_hand_m) in [x_m, y_m].into_iter().enumerate() {
         let (mean_m, spread_m, n_values) = spread(&cloud, |sample| sample.pose[axis]);
-        assert!((mean_m - by_hand_m).abs() < 0.5 * sigma_m, "{mean_m}");
+        assert!((mean_m - by_hand_m).abs() < 0.3 * sigma_m, "{mean_m}");
         assert!((0.75..1.3).contains(&(spread_m / sigma_m)) && n_values > 200, "{spread_m} of {n_values} values");
     }
     // The position tells neither the heading nor the bias, whose standard deviations stay as they were but for what chance makes of some drawings.
@@ -52,10 +52,26 @@ fn a_position_to_the_millimetre_leaves_many_samples_that_are_spread_as_it_says()
 
 #[test]
 fn drawing_samples_anew_keeps_what_a_pose_tells_of_a_mount() {
+    // The first measurement leaves the offspring of a few samples, whose spread is a matter of chance; its mean over ten clouds is not.
+    const N_CLOUDS: u64 = 10;
+    let mut of_robot_m2 = [0.0; 2];
+    for seed in 0..N_CLOUDS {
+        for (axis, spread_m) in spread_along_an_antenna_seen(seed).into_iter().enumerate() {
+            of_robot_m2[axis] += spread_m * spread_m / N_CLOUDS as f64;
+        }
+    }
+    // Half of the variance of 5 cm and 5 cm, 35 mm, is that of what the antenna does not tell.
+    for of_robot_m in of_robot_m2.map(f64::sqrt) {
+        assert!((0.028..0.044).contains(&of_robot_m), "{of_robot_m} m");
+    }
+}
+
+/// Standard deviations along x and y of the samples of a robot whose antenna is seen once, and then its heading twenty times.
+fn spread_along_an_antenna_seen(seed: u64) -> [f64; 2] {
     let antenna = Mounted::Antenna as usize;
     let mut constants = Constants::default();
     constants.mounts[antenna] = [0.05, 0.05, 0.0];
-    let mut cloud = Cloud::new(stream(3, "a cloud"));
+    let mut cloud = Cloud::new(stream(seed, "a cloud"));
     let side = Interval::centred(0.0, 0.15);
     cloud.draw_start(&PoseBox::from([side, side, Interval::centred(0.0, 0.3)]), &constants);
     // The antenna is seen to be at the origin to 2 mm, so that either the robot or the antenna on it is off by some centimetres.
@@ -65,13 +81,11 @@ fn drawing_samples_anew_keeps_what_a_pose_tells_of_a_mount() {
     for heading_rad in [0.01, -0.01].repeat(10) {
         cloud.weigh(&|sample| -0.5 * ((sample.pose[2] - heading_rad) / 0.005).powi(2));
     }
-    for axis in 0..2 {
-        let (_, of_robot_m, _) = spread(&cloud, |sample| sample.pose[axis]);
+    [0, 1].map(|axis| {
         let (_, of_antenna_m, n_values) = spread(&cloud, |sample| seen(sample)[axis]);
-        // Half of the variance of 5 cm and 5 cm is that of what the antenna does not tell.
-        assert!((0.012..0.06).contains(&of_robot_m), "axis {axis}: {of_robot_m} m");
-        assert!(of_antenna_m < 0.004 && n_values > 100, "axis {axis}: {of_antenna_m} m");
-    }
+        assert!(of_antenna_m < 0.004 && n_values > 100, "cloud {seed}, axis {axis}: {of_antenna_m} m");
+        spread(&cloud, |sample| sample.pose[axis]).1
+    })
 }
 
 /// A cloud known to a centimetre, at the origin.
