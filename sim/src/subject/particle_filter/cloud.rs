@@ -51,8 +51,13 @@ const HALVINGS: usize = 30;
 const UNKNOWN_RAD: f64 = 1.5;
 /// Standard deviation of the kernel with which samples that are drawn anew are spread, over that of all samples, so that a sample drawn many times does
 /// not stay one (C. Musso, N. Oudjane, F. Le Gland, *Improving regularised particle filters*, 2001). Errors are drawn towards their mean by as much, so
-/// that their mean and variance stay as they are (J. Liu, M. West, *Combined parameter and state estimation in simulation-based filtering*, 2001).
-const KERNEL: f64 = 0.1;
+/// that their mean and variance stay as they are (J. Liu, M. West, *Combined parameter and state estimation in simulation-based filtering*, 2001). The
+/// value belongs to a discount of 0.95, the smaller end of those that Liu and West recommend. With the greater end, 0.99 or a kernel of 0.1, the
+/// offspring of the few samples that a first accurate measurement leaves stay apart, and chance decides how wide their errors are spread.
+const KERNEL: f64 = 0.228;
+/// Standard deviations of x, y and heading below which the poses form one cluster: about a quarter of a small tile's side, and an eighth of a quarter
+/// turn, as poses that are told apart by joints and walls alone may be off by a tile or by a quarter turn.
+const ONE_CLUSTER: [f64; POSE] = [0.07, 0.07, 0.2];
 /// Share of its variance that each quantity has on its own at the least, so that the covariance of samples of which two quantities are tied is definite.
 const LEAST_OWN: f64 = 1e-9;
 
@@ -213,6 +218,7 @@ impl Cloud {
             let variance = covariance[(quantity, quantity)];
             covariance[(quantity, quantity)] = variance * (1.0 + LEAST_OWN) + f64::MIN_POSITIVE;
         }
+        let are_one_cluster = (0..POSE).all(|axis| covariance[(axis, axis)] < ONE_CLUSTER[axis].powi(2));
         let Some(root) = covariance.cholesky().map(|root| root.l()) else { return };
         let kept = (1.0 - KERNEL * KERNEL).sqrt();
         for (sample, quantities) in self.samples.iter_mut().zip(&quantities) {
@@ -221,8 +227,10 @@ impl Cloud {
             });
             let off = root * normal * KERNEL;
             let mut spread = mean + (quantities - mean) * kept + off;
-            // Poses may form several clusters, which are not drawn together.
-            (0..POSE).for_each(|axis| spread[axis] = quantities[axis] + off[axis]);
+            // Poses that form several clusters are not drawn together.
+            if !are_one_cluster {
+                (0..POSE).for_each(|axis| spread[axis] = quantities[axis] + off[axis]);
+            }
             sample.set_quantities(&spread);
         }
     }
