@@ -30,7 +30,7 @@ use crate::{
     quota::Quota,
     reading::Camera,
     robot::CeilingCameraModel,
-    vision::ceiling::{self, CeilingMarkers as Seen, CeilingView, PictureMotion, SeenMarker},
+    vision::ceiling::{self, CeilingMarkers as Seen, CeilingView, Lens, PictureMotion, SeenMarker},
 };
 
 use super::lean::{heading_off_rad, twist_of_tipped_rad};
@@ -88,7 +88,12 @@ impl CeilingMarkers {
         let lean_rad = camera.lean_rad[0].hypot(camera.lean_rad[1]) + camera.tilt_rad + robot.body.tilt_rad;
         let focal_px = 0.5 * (camera.focal_px[0].mid() + camera.focal_px[1].mid());
         let view =
-            CeilingView::new(focal_px, [distance_m.lo(), distance_m.hi()], lean_rad.tan(), camera.electrons_per_grey);
+            CeilingView::new(focal_px, [distance_m.lo(), distance_m.hi()], lean_rad.tan(), camera.electrons_per_grey)
+                .behind(Lens {
+                    distortion: camera.distortion,
+                    focal_px: camera.focal_px.map(Interval::mid),
+                    centre_px: camera.centre_px.map(Interval::mid),
+                });
         Some(CeilingMarkers {
             is_word: map.coding.table(),
             optics: Optics::new(&camera, &robot.body),

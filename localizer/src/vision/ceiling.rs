@@ -6,6 +6,8 @@
 //! ```text
 //! dots:    local threshold ──> components ──> area, aspect ──> weighted centroids with bounds ──┐
 //!                                                                                               v
+//! lens:    where a pinhole would show them <────────────────────────────────────────────────────┤
+//!                                                                                               v
 //! marker:  corner triples ──> grid ──> every dot on it, every empty place dark ──> identity ──> SeenMarker
 //! paper:   threshold 200 ──> area, aspect ──> erosion, dilation ──> nearest ──> AND ──> O, A, B ──> identity
 //! ```
@@ -14,6 +16,7 @@ mod clipping;
 mod components;
 pub mod confidence;
 pub mod dots;
+mod lens;
 pub mod marker;
 pub mod paper;
 
@@ -23,12 +26,15 @@ pub(crate) mod synthetic;
 #[allow(clippy::expect_used)]
 pub(crate) mod trial;
 
+pub use lens::Lens;
+
 use crate::markers::{DOT_RADIUS_M, GridPlace, MarkerId};
+use lens::Bend;
 
 /// What the localizer is given about the ceiling camera and its view of the markers: declared bounds and nominal values, not the true ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CeilingView {
-    /// Least and greatest radius of the image of a marker's dot.
+    /// Least and greatest radius of the image of a marker's dot, as a pinhole would show it.
     pub dot_radius_px: [f64; 2],
     /// Focal length of the camera, in pixels.
     pub focal_px: f64,
@@ -36,6 +42,8 @@ pub struct CeilingView {
     pub lean: f64,
     /// Least number of photoelectrons per grey level; it determines how much shot noise a dot's own light adds.
     pub electrons_per_grey: f64,
+    /// The lens; `None` for one that shows what a pinhole shows.
+    pub lens: Option<Lens>,
 }
 
 /// Share by which a dot's image may be smaller or larger than straight above an upright camera, besides what the camera's lean adds.
@@ -48,7 +56,33 @@ impl CeilingView {
         let radius_px = |distance_m: f64, slack: f64| slack * focal_px * DOT_RADIUS_M / distance_m;
         let slack = OBLIQUE + lean;
         let dot_radius_px = [radius_px(distance_m[1], 1.0 - slack), radius_px(distance_m[0], 1.0 + slack)];
-        CeilingView { dot_radius_px, focal_px, lean, electrons_per_grey }
+        CeilingView { dot_radius_px, focal_px, lean, electrons_per_grey, lens: None }
+    }
+
+    /// The same view through a lens that distorts it.
+    pub fn behind(self, lens: Lens) -> CeilingView {
+        CeilingView { lens: (lens.distortion != [0.0; 5]).then_some(lens), ..self }
+    }
+
+    /// What the lens does about a place of the picture as taken; `None` where the lens folds.
+    fn about(&self, raw_px: [f64; 2]) -> Option<Bend> {
+        match &self.lens {
+            Some(lens) => lens.about(raw_px),
+            None => Some(Bend { pinhole_px: raw_px, stretch: [1.0; 2] }),
+        }
+    }
+
+    /// Where the picture as taken shows what a pinhole would show at a place.
+    fn bent_px(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
+        self.lens.map_or(pinhole_px, |lens| lens.bent_px(pinhole_px))
+    }
+
+    /// Greatest factor by which the lens stretches a short way anywhere in a picture of this size.
+    fn greatest_stretch(&self, [width, height]: [f64; 2]) -> f64 {
+        const N_SIDE: usize = 9;
+        let share = |index: usize| index as f64 / (N_SIDE - 1) as f64;
+        let places = (0..N_SIDE * N_SIDE).map(|place| [width * share(place % N_SIDE), height * share(place / N_SIDE)]);
+        places.filter_map(|at_px| self.about(at_px)).map(|bend| bend.stretch[1]).fold(1.0, f64::max)
     }
 
     /// Greatest radius of the image of a dot straight above an upright camera.

@@ -95,7 +95,7 @@ pub(crate) fn unbent_models<const K: usize>(distortion: [f64; 5], seen: [Dual<K>
 
 /// Inverse lens distortion D⁻¹ of a single image point, in ordinary floating-point numbers. The Newton iteration starts at the point itself and gives
 /// up at a fold of the lens.
-fn unbent_point(distortion: [f64; 5], seen: [f64; 2]) -> Option<[f64; 2]> {
+pub(crate) fn unbent_point(distortion: [f64; 5], seen: [f64; 2]) -> Option<[f64; 2]> {
     let mut at = seen;
     for _ in 0..NEWTON_STEPS {
         let bent = bend(distortion, at);

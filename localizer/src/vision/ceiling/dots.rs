@@ -3,7 +3,7 @@
 use image::GrayImage;
 
 use super::components::{Component, components};
-use super::{CeilingView, Dot, PictureMotion};
+use super::{CeilingView, Dot, Lens, PictureMotion, lens::Bend};
 
 /// Width of the soft edge of a marker dot's image beyond the dot's radius. The little light that falls farther out is equally strong on all sides of
 /// the dot, so that leaving it out does not shift the centroid.
@@ -35,6 +35,7 @@ pub fn detect(image: &GrayImage, view: &CeilingView, motion: &PictureMotion) -> 
     let width = image.width() as usize;
     let [least_px, most_px] = view.dot_radius_px;
     let noise = noise_grey(image);
+    let most_stretched_px = most_px * view.greatest_stretch([image.width(), image.height()].map(f64::from));
     // The window over which the surroundings' mean grey level is taken is about as wide as two pitches of a marker's grid, so that the marker's own
     // dots cover less than a quarter of it.
     let half = (4.0 * 0.5 * (least_px + most_px)).round().max(5.0) as usize;
@@ -42,18 +43,23 @@ pub fn detect(image: &GrayImage, view: &CeilingView, motion: &PictureMotion) -> 
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
         .map(|[u, v]| length(motion.at([u * width as f64, v * f64::from(image.height())])));
     let most_motion = corners.into_iter().fold(0.0, f64::max);
-    let most_area = std::f64::consts::PI * (most_px + 1.2).powi(2) * 1.2 + 2.0 * (most_px + 1.0) * most_motion;
-    let least_area = (0.4 * std::f64::consts::PI * least_px * least_px).max(4.0);
+    let most_area =
+        std::f64::consts::PI * (most_stretched_px + 1.2).powi(2) * 1.2 + 2.0 * (most_stretched_px + 1.0) * most_motion;
     let candidates = components(&mut mask, width, most_area as usize);
-    let is_dot = |component: &&Component| {
+    let is_dot = |component: &Component, bend: &Bend| {
+        let least_area = (0.4 * std::f64::consts::PI * least_px * least_px * bend.area()).max(4.0);
         let radius_px = (component.area_px as f64 / std::f64::consts::PI).sqrt().max(1.0);
         // The standard deviation of a disc along an axis is half of its radius.
         let motion = length(motion.at(component.centre_px));
         let longest = (0.25 * radius_px * radius_px + motion * motion / 12.0).sqrt() / (0.5 * radius_px);
-        component.area_px as f64 >= least_area && component.aspect() <= 1.7 * longest
+        component.area_px as f64 >= least_area
+            && component.aspect() <= 1.7 * longest * (bend.stretch[1] / bend.stretch[0])
     };
-    let measure = |component: &Component| measure(image, component, view, motion.at(component.centre_px));
-    let measured: Vec<Measured> = candidates.iter().filter(is_dot).filter_map(measure).collect();
+    let measure = |component: &Component| {
+        let bend = view.about(component.centre_px).filter(|bend| is_dot(component, bend))?;
+        measure(image, component, (view, bend), motion.at(component.centre_px))
+    };
+    let measured: Vec<Measured> = candidates.iter().filter_map(measure).collect();
     let ring_noise = pooled(measured.iter().map(|one| one.ring)).max(0.3);
     let bounded = |one: Measured| {
         let motion = length(motion.at(one.dot.centre_px));
@@ -69,6 +75,7 @@ fn length([u, v]: [f64; 2]) -> f64 {
 /// A marker dot whose centroid has been measured, with the quantities from which the centroid's error bound is computed later.
 struct Measured {
     dot: Dot,
+    bend: Bend,
     /// Sum of squares of what a fitted plane leaves of the background's grey levels around a dot, and their number less that of the fitted parameters
     /// (degrees of freedom).
     ring: [f64; 2],
@@ -88,17 +95,22 @@ impl Measured {
         let structure = (own_ring - 1.6 * ring_noise).max(0.0) / dot.level;
         // The rims of two neighbouring dots of a marker are two radii apart; where soft edges and motion together are wider, the dots' light
         // overlaps.
-        let overlap = (2.0 * SOFT_PX + motion - 2.0 * view.dot_radius_px[0]).clamp(0.0, motion);
+        let least_radius_px = view.dot_radius_px[0] * self.bend.stretch[0];
+        let overlap = (2.0 * SOFT_PX + motion - 2.0 * least_radius_px).clamp(0.0, motion);
         // The centre of the ellipse as which a circle is seen is not the image of the circle's centre: they differ by r²/f times the slope
         // of the ray against the ceiling's normal.
         let perspective_px = 1.2 * dot.radius_px * dot.radius_px / view.focal_px * view.lean;
+        // The pinhole's picture shows a dot as a disc that may be as large as declared.
+        let by_lens = |lens: &Lens| lens.centroid_shift_px(self.bend.pinhole_px, view.dot_radius_px[1]);
+        let lens_px = view.lens.as_ref().map_or(0.0, by_lens);
         let bound_px = FLOOR_PX
-            + PER_SMALLNESS / view.dot_radius_px[0].powi(2)
+            + PER_SMALLNESS / least_radius_px.powi(2)
             + SIGMAS * noise_px
             + PER_STRUCTURE * structure * dot.radius_px
             + PER_MOTION * motion
             + PER_OVERLAP * overlap
-            + perspective_px;
+            + perspective_px
+            + lens_px;
         Dot { bound_px, ..dot }
     }
 }
@@ -148,18 +160,24 @@ impl Track {
 
 /// Measures the centroid of a dot over the track of its motion. A pixel's weight is its grey level above a plane that is fitted to the ring of
 /// background around the track.
-fn measure(image: &GrayImage, component: &Component, view: &CeilingView, motion_px: [f64; 2]) -> Option<Measured> {
+fn measure(
+    image: &GrayImage,
+    component: &Component,
+    (view, bend): (&CeilingView, Bend),
+    motion_px: [f64; 2],
+) -> Option<Measured> {
     let motion = motion_px[0].hypot(motion_px[1]);
     // The area of the track of a dot of radius r with motion m is π r² + 2 r m.
     let area = component.area_px as f64;
     let radius_px = ((motion * motion + std::f64::consts::PI * area).sqrt() - motion) / std::f64::consts::PI;
-    let radius_px = radius_px.clamp(view.dot_radius_px[0], view.dot_radius_px[1] + 0.5);
+    let [least_px, most_px] = [0, 1].map(|end| view.dot_radius_px[end] * bend.stretch[end]);
+    let radius_px = radius_px.clamp(least_px, most_px + 0.5);
     let window = Track::new(radius_px + SOFT_PX, motion_px);
     let mut centre_px = component.centre_px;
     let mut last = None;
     for _ in 0..3 {
         let plane = ring_plane(image, centre_px, &window)?;
-        let found = weigh(image, centre_px, &window, &plane)?;
+        let found = weigh(image, centre_px, &window, (&plane, bend))?;
         centre_px = found.dot.centre_px;
         last = Some(found);
     }
@@ -207,7 +225,7 @@ fn ring_plane(image: &GrayImage, centre_px: [f64; 2], window: &Track) -> Option<
 
 /// One iteration towards the centroid of a dot: the mean position of the light in a window that is centred at `centre_px`, the previous estimate. The
 /// window's edge is soft, so that no pixel enters or leaves it abruptly.
-fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) -> Option<Measured> {
+fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, (plane, bend): (&Plane, Bend)) -> Option<Measured> {
     let [base, slope_u, slope_v] = plane.coefficients;
     let (mut flux, mut first, mut clipped) = (0.0, [0.0; 2], 0.0);
     let (mut window_moment, mut grey_moment, mut peak) = (0.0, 0.0, 0.0f64);
@@ -240,7 +258,7 @@ fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) 
         flux,
         clipped_px: clipped,
     };
-    Some(Measured { dot, ring: [plane.squares, plane.count], window_moment, grey_moment })
+    Some(Measured { dot, bend, ring: [plane.squares, plane.count], window_moment, grey_moment })
 }
 
 /// Calls `visit` for all pixels of a moving dot's track that lie in the image, with their position relative to the

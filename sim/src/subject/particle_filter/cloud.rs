@@ -222,9 +222,11 @@ impl Cloud {
         let Some(root) = covariance.cholesky().map(|root| root.l()) else { return };
         let kept = (1.0 - KERNEL * KERNEL).sqrt();
         for (sample, quantities) in self.samples.iter_mut().zip(&quantities) {
-            let normal = Quantities::from_fn(|quantity, _| {
-                if varies[quantity] { StandardNormal.sample(&mut self.rng) } else { 0.0 }
-            });
+            let normal = Quantities::from_fn(
+                |quantity, _| {
+                    if varies[quantity] { StandardNormal.sample(&mut self.rng) } else { 0.0 }
+                },
+            );
             let off = root * normal * KERNEL;
             let mut spread = mean + (quantities - mean) * kept + off;
             // Poses that form several clusters are not drawn together.

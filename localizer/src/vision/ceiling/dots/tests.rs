@@ -33,7 +33,13 @@ fn sharp_small_dots_without_noise_lie_within_their_bounds_and_use_most_of_them()
         let centre_px = [random.between(15.0, 17.0), random.between(15.0, 17.0)];
         let picture = disc(centre_px, radius_px, random.between(20.0, 60.0), random.between(60.0, 180.0));
         // The localizer knows the radius exactly, looks straight up, and light has next to no shot noise.
-        let view = CeilingView { dot_radius_px: [radius_px; 2], focal_px: 1e9, lean: 0.0, electrons_per_grey: 1e9 };
+        let view = CeilingView {
+            dot_radius_px: [radius_px; 2],
+            focal_px: 1e9,
+            lean: 0.0,
+            electrons_per_grey: 1e9,
+            lens: None,
+        };
         for dot in detect(&picture, &view, &still) {
             let off_px = (dot.centre_px[0] - centre_px[0]).hypot(dot.centre_px[1] - centre_px[1]);
             assert!(off_px <= dot.bound_px, "{off_px} px for {} px at radius {radius_px} px", dot.bound_px);
