@@ -155,6 +155,8 @@ mod render_projection;
 mod light_of_lamps;
 /// Tests of the light that surfaces reflect: between rooms, behind furniture, far from lamps.
 mod light_reflected;
+/// Tests of lamps that events switch one by one: light at the floor, reflected light, pictures and images of runs.
+mod light_switched;
 /// Tests of the live view of a run in a viewer that speaks Foxglove's WebSocket protocol.
 mod live_view;
 /// Tests of rooms rendered through lenses, against projections written for these tests alone.

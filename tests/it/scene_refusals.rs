@@ -136,7 +136,7 @@ fn an_event_after_the_end_is_refused() {
 #[test]
 fn an_unknown_kind_of_event_is_refused_with_the_right_ones() {
     let scene = blind_scene(10.0, "[[event]]\nkind = \"pusch\"\nat_s = 1\n");
-    assert_refused("kind", scene, &["`event[0].kind = \"pusch\"`", "push, light, friction"]);
+    assert_refused("kind", scene, &["`event[0].kind = \"pusch\"`", "push, light, lamp, friction"]);
 }
 
 #[test]
@@ -316,6 +316,18 @@ fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
         (format!("{lamp}height_m = 2.7\n"), "expected less than the ceiling's height, 2.6 m"),
         (format!("{window}height_m = 2.2\n"), "the window reaches beyond its wall"),
         (lamp.replace("x_m = 1.0", "x_m = 3.5"), "outside the building, expected a number from 0 to 3"),
+        (
+            format!("{lamp}name = \"desk\"\n[[event]]\nkind = \"lamp\"\nat_s = 1\nlamp = \"dsk\"\nshare = 0\n"),
+            "`event[0].lamp = \"dsk\"`: unknown lamp, expected one of desk",
+        ),
+        (
+            format!("{lamp}[[event]]\nkind = \"lamp\"\nat_s = 1\nlamp = \"desk\"\nshare = 0\n"),
+            "unknown lamp, expected a `[[lamp]]` of that `name`, of which the scene has none",
+        ),
+        (
+            format!("{lamp}name = \"desk\"\n[[event]]\nkind = \"lamp\"\nat_s = 1\nlamp = \"desk\"\nshare = 1.5\n"),
+            "`event[0].share = 1.5`",
+        ),
         (lamp.repeat(1025), "1025 of them, expected at most 1024"),
         (lamp.replace("panel", "candle"), "expected one of panel, tube, point, window"),
         ("[light]\nilluminance_at_camera_lux = 0.1\n".to_owned(), "stands without `[robot.forward_camera]`"),

@@ -12,7 +12,7 @@ use crate::{
 pub struct Occurrence {
     /// Time at which the event began.
     pub from_s: f64,
-    /// Time at which it ended; for a switch of the light and a change of friction the time at which it began.
+    /// Time at which it ended; for a switch of lamps and a change of friction the time at which it began.
     pub to_s: f64,
     /// What happened, in words.
     pub what: String,
@@ -48,6 +48,7 @@ fn what(event: &Event) -> String {
         Event::Light { illuminance_at_floor_lux, .. } => {
             format!("lamps switched to {illuminance_at_floor_lux} lx at the floor")
         }
+        Event::Lamp { lamp, share, .. } => switched(lamp, *share),
         Event::Friction { region, friction, .. } => match region {
             Some(region) => format!("friction on {region} changes to {friction}"),
             None => format!("friction outside all regions changes to {friction}"),
@@ -61,6 +62,15 @@ fn what(event: &Event) -> String {
             format!("{wheel} wheel {how}")
         }
         Event::FlowBlind { .. } => "flow sensor loses the floor".to_owned(),
+    }
+}
+
+/// A switch of the lamps of one name.
+fn switched(lamp: &str, share: f64) -> String {
+    match share {
+        0.0 => format!("lamp {lamp} switched off"),
+        1.0 => format!("lamp {lamp} switched on"),
+        share => format!("lamp {lamp} dimmed to {} %", (share * 1e4).round() / 1e2),
     }
 }
 
@@ -88,6 +98,11 @@ mod tests {
         assert_eq!(what(&lift), "lifted, put down in place and turned by -90°");
         let stuck = Event::StuckWheel { at_s: 0.0, wheel: Side::Right, how: Stuck::Spinning, lasts_s: 1.0 };
         assert_eq!(what(&stuck), "right wheel spins without grip");
+        let lamp = |share| Event::Lamp { at_s: 0.0, lamp: "desk".to_owned(), share };
+        assert_eq!(
+            [0.0, 1.0, 0.335].map(|share| what(&lamp(share))),
+            ["lamp desk switched off", "lamp desk switched on", "lamp desk dimmed to 33.5 %"]
+        );
         assert_eq!(what(&Event::FlowBlind { at_s: 0.0, lasts_s: 1.0 }), "flow sensor loses the floor");
     }
 }

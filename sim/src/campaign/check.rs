@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The pictures are taken by a robot that stands still, with the exposure on which automatic exposure settles, so that motion blur and slip are not
-//! in them. A method sees each picture by itself, with a prior that is no better than what is known of the start.
+//! in them. Lamps are as they are at the start. A method sees each picture by itself, with a prior that is no better than what is known of the start.
 
 mod doubts;
 mod stretches;
@@ -26,7 +26,10 @@ use crate::{
     judge::{is_true, wholly_in_view},
     place::{building::UprightBody, sight::Obstacles},
     render::{RenderError, Renderer},
-    run::sensors::still::{Still, take},
+    run::sensors::{
+        LampState, LampStates,
+        still::{Still, take},
+    },
     scene::Scene,
     truth::Truth,
     world::Drawn,
@@ -110,8 +113,9 @@ pub fn check(
     let drawn = Drawn::draw(scene, seed);
     let built = scene.as_built(&drawn.place);
     let mut world = renderer.upload_room(&built, &drawn)?;
+    let LampState { illuminance_at_floor_lux: mean_lux, shares, .. } = LampStates::new(scene, &world).at(0.0).clone();
+    world.switch_lamps(&shares);
     world.place_bodies(&scene.people.iter().filter_map(UprightBody::setting_out).collect::<Vec<_>>());
-    let mean_lux = world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux);
     let obstacles = Obstacles::new(&built);
     let Way { places, length_m } = way(scene, &drawn.goals_m);
     let cameras = scene.robot.cameras();

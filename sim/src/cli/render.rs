@@ -15,9 +15,12 @@ use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     loading::SceneFile,
     place::building::{GroundPlan, UprightBody},
-    render::{RenderedWorld, Renderer},
-    run::sensors::still::{Still, take},
-    scene::{BitDepth, Scene},
+    render::Renderer,
+    run::sensors::{
+        LampStates,
+        still::{Still, take},
+    },
+    scene::BitDepth,
     world::Drawn,
 };
 
@@ -119,11 +122,13 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     let drawn = Drawn::draw(&file.scene, arguments.seed);
     let mut renderer = Renderer::on_adapter(adapter)?;
     let mut world = renderer.upload_room(&file.scene.as_built(&drawn.place), &drawn)?;
+    let lamps = LampStates::new(&file.scene, &world).at(0.0).clone();
+    world.switch_lamps(&lamps.shares);
     world.place_bodies(&file.scene.people.iter().filter_map(UprightBody::setting_out).collect::<Vec<_>>());
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Unwritable(folder.clone(), error))?;
     let mut take_in = |lux: Option<f64>| -> Result<Column, CommandError> {
-        let lux = lux.unwrap_or_else(|| stated_lux(&file.scene, &world));
+        let lux = lux.unwrap_or(lamps.illuminance_at_floor_lux);
         let stills = take(&mut renderer, &world, &file.scene, &drawn, pose, lux, (cameras.as_slice(), arguments.seed))?;
         Ok(Column { illuminance_at_floor_lux: lux, stills })
     };
@@ -150,11 +155,6 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
         save(&folder.join(format!("{}_tone_mapped.png", camera.as_str())), |path| toned.save(path))?;
     }
     Ok(())
-}
-
-/// Returns the illuminance at the floor that the scene's lamps give, in lux.
-fn stated_lux(scene: &Scene, world: &RenderedWorld) -> f64 {
-    world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
 }
 
 fn cameras(wanted: Option<Camera>, file: &SceneFile) -> Result<Vec<Camera>, CommandError> {

@@ -8,6 +8,8 @@ mod markers;
 mod sensors;
 mod things;
 
+use std::collections::BTreeSet;
+
 use super::contradiction::Contradiction;
 use crate::{
     place::building::GroundPlan,
@@ -253,6 +255,18 @@ fn events(scene: &Scene, found: &mut Vec<Contradiction>) {
                 scene.duration_s
             );
             found.push(Contradiction { key: format!("event[{index}].at_s"), expected });
+        }
+        if let Event::Lamp { lamp: name, .. } = event
+            && !scene.lamps.iter().any(|lamp| lamp.name.as_ref() == Some(name))
+        {
+            let names: BTreeSet<&str> = scene.lamps.iter().filter_map(|lamp| lamp.name.as_deref()).collect();
+            let expected = match names.is_empty() {
+                true => "unknown lamp, expected a `[[lamp]]` of that `name`, of which the scene has none".to_owned(),
+                false => {
+                    format!("unknown lamp, expected one of {}", names.into_iter().collect::<Vec<_>>().join(", "))
+                }
+            };
+            found.push(Contradiction { key: format!("event[{index}].lamp"), expected });
         }
         if let Event::Friction { region: Some(name), .. } = event {
             let names: Vec<&str> = scene.floor.regions.iter().map(|region| region.name.as_str()).collect();

@@ -17,13 +17,15 @@ mod people;
 mod radiosity;
 mod reflector;
 mod source;
+mod switchable;
 
 pub use floor_field::FloorField;
-pub use lightmap::{LightMap, bake};
+pub use lightmap::LightMap;
 pub use nodes::Patch;
 pub use occlusion::Occluders;
 pub use people::nodes_with_people;
 pub use source::{Shape, Source, polygon_irradiance};
+pub use switchable::{SwitchableLight, bake};
 
 use nalgebra::{Point3, Vector3};
 

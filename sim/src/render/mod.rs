@@ -10,15 +10,12 @@
 //! further [`View`], a further kind of surface as a further pass onto the same plate.
 
 use image::GrayImage;
-use nalgebra::{Isometry3, Vector2};
+use nalgebra::Isometry3;
 use thiserror::Error;
 
 use crate::{
     optics::Lens,
-    place::{
-        building::{Building, UprightBody},
-        light::{FloorField, bake},
-    },
+    place::{building::UprightBody, light::FloorField},
     scene::{BitDepth, MAX_LAMPS, Scene, SensorModel},
     world::Drawn,
 };
@@ -29,16 +26,19 @@ mod floor;
 mod lens;
 mod light;
 mod photons;
+mod rendered_world;
 mod room;
 mod target;
 mod texels;
 
 pub use light::FloorLight;
+pub use rendered_world::RenderedWorld;
 
 use device::Graphics;
 use floor::{Floor, FloorPass};
 use photons::{PhotonPass, PictureMemory};
-use room::{RoomPass, RoomWorld};
+use rendered_world::Lamps;
+use room::RoomPass;
 use target::{Levels, Target};
 
 /// Number of targets (device memory of views) that are kept although the present tick does not need them: those of other cameras will be
@@ -86,40 +86,6 @@ pub struct NoiseKey {
     pub seed: u64,
     /// Number of the picture since the start of the run.
     pub image: u32,
-}
-
-/// A world prepared on the graphics device for drawing, made by [`Renderer::upload`].
-#[derive(Debug)]
-pub struct RenderedWorld {
-    floor: Floor,
-    room: Option<RoomWorld>,
-    lamps_at_floor_lux: Option<f64>,
-    graphics: Graphics,
-}
-
-impl RenderedWorld {
-    /// Mean illuminance at the floor of the robot's room by the scene's lamps; `None` if the scene states no lamps and only the floor was
-    /// uploaded.
-    pub fn illuminance_at_floor_lux(&self) -> Option<f64> {
-        self.lamps_at_floor_lux
-    }
-
-    /// Illuminance at a place of the floor by the scene's lamps, of which photons of any wavelength count like those at 555 nm; `None` where
-    /// [`illuminance_at_floor_lux`](Self::illuminance_at_floor_lux) is.
-    pub fn illuminance_at_lux(&self, place_m: [f64; 2]) -> Option<f64> {
-        Some(self.lamps_at_floor_lux? * self.floor.lamplight.as_ref()?.at(Vector2::from(place_m)))
-    }
-
-    /// Sets where people are at the end of the exposure of the next pictures; during the exposure they walk there. Their shadows are computed
-    /// here, once for all pictures.
-    pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
-        let Some(room) = &mut self.room else { return };
-        if let Some(nodes) = room.place_bodies(&self.graphics, bodies)
-            && self.floor.lamplight.is_some()
-        {
-            self.floor.lamplight = room.floor_field(&nodes);
-        }
-    }
 }
 
 /// Reason why no picture could be drawn.
@@ -226,15 +192,18 @@ impl Renderer {
     /// If the driver reported an error earlier, or lost the device.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check_alive()?;
-        let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
+        let (mut lamplight, mut lamps) = (None, None);
         if !scene.lamps.is_empty() {
-            let building = Building::new(scene, &drawn.place);
-            let (lighting, map) = bake(scene, &building);
-            lamps_at_floor_lux = Some(map.mean_at_floor.lux * lighting.dimming);
-            lamplight = FloorField::new(&building, &map, &map.nodes);
+            let (lit, (_, map)) = Lamps::of(scene, drawn);
+            lamplight = FloorField::new(&lit.building, &map, &map.nodes);
+            lamps = Some(lit);
         }
-        let floor = Floor::new(scene, drawn, lamplight);
-        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, graphics: self.graphics.clone() })
+        Ok(RenderedWorld {
+            floor: Floor::new(scene, drawn, lamplight),
+            room: None,
+            lamps,
+            graphics: self.graphics.clone(),
+        })
     }
 
     /// Prepares a world on the graphics device for pictures of whole rooms and of the floor, with people where they start. The world's light is
@@ -244,7 +213,8 @@ impl Renderer {
     /// If the driver reported an error earlier, or lost the device.
     pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check_alive()?;
-        let room = self.room_pass.upload(&self.graphics, scene, drawn);
+        let (lamps, light) = Lamps::of(scene, drawn);
+        let room = self.room_pass.upload(&self.graphics, lamps.building.clone(), light);
         if room.lamp_count as usize > MAX_LAMPS {
             return Err(RenderError::TooLarge {
                 what: "a room",
@@ -255,7 +225,7 @@ impl Renderer {
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field(room.still_nodes()) };
         let mut world = RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),
-            lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
+            lamps: Some(lamps),
             room: Some(room),
             graphics: self.graphics.clone(),
         };

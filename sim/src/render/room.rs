@@ -13,7 +13,13 @@ use super::{
     device::Graphics,
     lens::{LensLayout, LensSlot},
 };
-use crate::{place::building::Panel, scene::MAX_LAMPS};
+use crate::{
+    place::{
+        building::{Building, Panel},
+        light::{LightMap, Lighting},
+    },
+    scene::MAX_LAMPS,
+};
 
 mod edges;
 mod faces;
@@ -57,14 +63,9 @@ impl RoomPass {
         RoomPass { pipelines: Pipelines::new(device) }
     }
 
-    /// Makes the buffers and textures of a scene's building on the graphics device.
-    pub(super) fn upload(
-        &self,
-        graphics: &Graphics,
-        scene: &crate::scene::Scene,
-        drawn: &crate::world::Drawn,
-    ) -> RoomWorld {
-        RoomWorld::new(graphics, &self.pipelines, scene, drawn)
+    /// Makes the buffers and textures of a building and its light on the graphics device.
+    pub(super) fn upload(&self, graphics: &Graphics, building: Building, light: (Lighting, LightMap)) -> RoomWorld {
+        RoomWorld::new(graphics, &self.pipelines, building, light)
     }
 
     /// Draws one picture of a room onto the plate of its lens, the pinhole image that the sensor then reads through the lens.

@@ -2,6 +2,7 @@
 
 mod camera_sensor;
 mod fitted_camera;
+mod lamp_states;
 pub mod still;
 
 use localizer::{Reading, reading::Camera};
@@ -17,6 +18,7 @@ use crate::{
 
 pub use camera_sensor::CameraSensor;
 pub use fitted_camera::FittedCamera;
+pub use lamp_states::{LampState, LampStates};
 
 /// Turn rate above which a camera that has a shorter exposure for turns uses it: at this rate an exposure of 100 ms blurs by 4 pixels.
 const TURNING_RAD_PER_S: f64 = 0.1;
@@ -41,6 +43,7 @@ pub struct Sensors {
 pub struct Stage<'a> {
     renderer: &'a mut Renderer,
     world: RenderedWorld,
+    lamp_states: LampStates,
 }
 
 impl<'a> Stage<'a> {
@@ -54,12 +57,8 @@ impl<'a> Stage<'a> {
         } else {
             renderer.upload_room(scene, drawn)?
         };
-        Ok(Stage { renderer, world })
-    }
-
-    /// Mean illuminance at the floor before the first light event.
-    fn illuminance_at_floor_lux(&self, scene: &Scene) -> f64 {
-        self.world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
+        let lamp_states = LampStates::new(scene, &world);
+        Ok(Stage { renderer, world, lamp_states })
     }
 }
 
@@ -67,8 +66,7 @@ impl Sensors {
     /// The sensors of a drive. Cameras are included only if there is a stage, which is the prepared world that they take pictures of with its
     /// renderer.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, stage: Option<&Stage<'_>>) -> Self {
-        let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
-        let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
+        let camera = |name| CameraSensor::new(name, scene, seed, drawn, stage?.lamp_states.clone());
         Sensors {
             fitted: drawn.devices.sensors(scene, seed),
             wheels: WheelSensor::new(scene, seed),
@@ -123,7 +121,7 @@ impl Sensors {
     }
 }
 
-/// Takes the pictures whose exposure ends at this step, all in one submission to the renderer.
+/// Takes the pictures whose exposure ends at this step, all in one submission to the renderer unless the lamps were switched between two exposures.
 fn take_pictures(
     cameras: &mut [CameraSensor],
     truth: &Truth,
@@ -131,13 +129,23 @@ fn take_pictures(
     people: &[Bystander],
     stage: &mut Stage<'_>,
 ) -> Result<Vec<Observation>, RenderError> {
-    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth, turns)?, camera))).collect();
+    let mut due: Vec<_> =
+        cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth, turns)?, camera))).collect();
     if due.is_empty() {
         return Ok(Vec::new());
     }
     let bodies: Vec<UprightBody> = people.iter().map(|person| UprightBody::from(*person)).collect();
-    stage.world.place_bodies(&bodies);
-    let views: Vec<View> = due.iter().map(|(exposed, _)| exposed.view.clone()).collect();
-    let images = stage.renderer.draw(&stage.world, &views)?;
-    Ok(due.into_iter().zip(images).map(|((exposed, camera), image)| camera.deliver(&exposed, image)).collect())
+    let mut taken = Vec::with_capacity(due.len());
+    for together in due.chunk_by_mut(|(one, _), (next, _)| one.lamps == next.lamps) {
+        if let Some((exposed, _)) = together.first() {
+            stage.world.switch_lamps(&exposed.lamps.shares);
+        }
+        stage.world.place_bodies(&bodies);
+        let views: Vec<View> = together.iter().map(|(exposed, _)| exposed.view.clone()).collect();
+        let images = stage.renderer.draw(&stage.world, &views)?;
+        let delivered =
+            together.iter_mut().zip(images).map(|((exposed, camera), image)| camera.deliver(exposed, image));
+        taken.extend(delivered);
+    }
+    Ok(taken)
 }

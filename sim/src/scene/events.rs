@@ -19,14 +19,26 @@ pub enum Event {
         #[schemars(range(min = 0.02, max = 60.0))]
         lasts_s: f64,
     },
-    /// The lamps are switched to another mean illuminance at the floor.
+    /// All lamps are dimmed or brightened alike, to another mean illuminance at the floor.
     Light {
         /// Time at which the lamps are switched.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// New mean illuminance at the floor.
+        /// New mean illuminance at the floor. Where events of `kind = "lamp"` switch some of the lamps, that with all of them on.
         #[schemars(range(min = 0.0, max = 100000.0))]
         illuminance_at_floor_lux: f64,
+    },
+    /// The lamps of one name are switched on or off, or dimmed.
+    Lamp {
+        /// Time at which the lamps of this name are switched.
+        #[schemars(range(min = 0.0, max = 36000.0))]
+        at_s: f64,
+        /// Name of the lamps that are switched, which is that of at least one `[[lamp]]`.
+        lamp: String,
+        /// Light that the lamps of this name give from then on, as a share of what they give when they are on: 0 switches them off, 1 on. All lamps
+        /// are on at the start.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        share: f64,
     },
     /// The friction of a floor region, or of the whole floor outside regions, changes.
     Friction {
@@ -109,6 +121,7 @@ impl Event {
         match self {
             Event::Push { at_s, .. }
             | Event::Light { at_s, .. }
+            | Event::Lamp { at_s, .. }
             | Event::Friction { at_s, .. }
             | Event::Lift { at_s, .. }
             | Event::StuckWheel { at_s, .. }
@@ -116,10 +129,10 @@ impl Event {
         }
     }
 
-    /// Duration of the event; 0 for a switch of the light and a change of friction.
+    /// Duration of the event; 0 for a switch of lamps and a change of friction.
     pub fn lasts_s(&self) -> f64 {
         match self {
-            Event::Light { .. } | Event::Friction { .. } => 0.0,
+            Event::Light { .. } | Event::Lamp { .. } | Event::Friction { .. } => 0.0,
             Event::Push { lasts_s, .. }
             | Event::Lift { lasts_s, .. }
             | Event::StuckWheel { lasts_s, .. }

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{Event, Scene};
+
 /// Greatest number of lamps in a scene: as many as fit into uniform memory of the size that every graphics adapter has.
 pub const MAX_LAMPS: usize = 1024;
 
@@ -15,6 +17,9 @@ pub const MAX_LAMPS: usize = 1024;
 pub struct Lamp {
     /// Kind of the lamp.
     pub kind: LampKind,
+    /// Name by which an event of `kind = "lamp"` switches the lamp. Lamps of the same name are switched together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// World x of the lamp's middle; for a window, of a point of its wall.
     pub x_m: f64,
     /// World y of the lamp's middle; for a window, of a point of its wall.
@@ -74,4 +79,25 @@ pub enum Spectrum {
     Tube,
     /// Black body of 2800 K, whose light is mostly infrared.
     Incandescent,
+}
+
+impl Scene {
+    /// Whether every lamp states its output, so that each gives just that; false for a scene without lamps.
+    pub fn lamps_state_outputs(&self) -> bool {
+        let states_output = |lamp: &Lamp| lamp.lumens.is_some() || lamp.illuminance_at_floor_lux.is_some();
+        !self.lamps.is_empty() && self.lamps.iter().all(states_output)
+    }
+
+    /// Names of the lamps that the scene's events switch, each once, in the order of the events.
+    pub fn switched_lamps(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for event in &self.events {
+            if let Event::Lamp { lamp, .. } = event
+                && !names.contains(&lamp.as_str())
+            {
+                names.push(lamp);
+            }
+        }
+        names
+    }
 }

@@ -100,7 +100,7 @@ fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &Ima
             let tones = Tones::of(pixels.as_raw().iter().map(|level| u16::from(*level)));
             let light = format!(
                 "{}, exposed {:.1} ms, grey {} to {} shown black to white",
-                lux_at(&file.scene, image.measured_s),
+                light_in_words(&file.scene, image.measured_s),
                 exposure_s * 1e3,
                 tones.black,
                 tones.white,
@@ -152,24 +152,45 @@ fn widths(image: &ImageRecord) -> String {
     )
 }
 
-/// Mean illuminance in words, with where it is measured.
-fn lux_at(scene: &Scene, time_s: f64) -> String {
-    let (lux, place) = illuminance_lux(scene, time_s);
-    format!("{lux} lx at the {place}")
+/// Light in words: the mean illuminance with all lamps on and where it is measured, and which lamps are switched.
+fn light_in_words(scene: &Scene, time_s: f64) -> String {
+    let all_on = illuminance_lux(scene, time_s).map_or("lamps as stated".to_owned(), |(lux, place)| {
+        let with = if scene.switched_lamps().is_empty() { "" } else { " with all lamps on" };
+        format!("{lux} lx at the {place}{with}")
+    });
+    [all_on].into_iter().chain(switched_lamps(scene, time_s)).collect::<Vec<_>>().join(", ")
+}
+
+/// What the events switched until a given time and did not switch on again: the names of lamps with the light that they give, in words.
+pub(super) fn switched_lamps(scene: &Scene, time_s: f64) -> Vec<String> {
+    let in_words = |name: &str| {
+        let share_at = |event: &Event| match event {
+            Event::Lamp { at_s, lamp, share } if lamp == name && *at_s <= time_s => Some((*at_s, *share)),
+            _ => None,
+        };
+        let latest = scene.events.iter().filter_map(share_at).max_by(|one, other| one.0.total_cmp(&other.0))?.1;
+        match latest {
+            1.0 => None,
+            0.0 => Some(format!("{name} off")),
+            share => Some(format!("{name} at {:.0} %", 100.0 * share)),
+        }
+    };
+    scene.switched_lamps().into_iter().filter_map(in_words).collect()
 }
 
 /// Mean illuminance at the floor at a given time, after the light events until then; or at the camera, where the scene states that instead. With the
-/// place at which it is measured.
-pub(super) fn illuminance_lux(scene: &Scene, time_s: f64) -> (f64, &'static str) {
+/// place at which it is measured; `None` as long as it follows from the outputs that all lamps state.
+pub(super) fn illuminance_lux(scene: &Scene, time_s: f64) -> Option<(f64, &'static str)> {
     let switched = scene.events.iter().filter_map(|event| match event {
         Event::Light { at_s, illuminance_at_floor_lux } if *at_s <= time_s => Some((*at_s, *illuminance_at_floor_lux)),
         _ => None,
     });
     let latest = switched.max_by(|one, other| one.0.total_cmp(&other.0));
     match (latest, scene.light.illuminance_at_camera_lux) {
-        (None, Some(lux)) => (lux, "camera"),
-        (None, None) => (scene.light.illuminance_at_floor_lux, "floor"),
-        (Some((_, lux)), _) => (lux, "floor"),
+        (Some((_, lux)), _) => Some((lux, "floor")),
+        (None, Some(lux)) => Some((lux, "camera")),
+        (None, None) if scene.lamps_state_outputs() => None,
+        (None, None) => Some((scene.light.illuminance_at_floor_lux, "floor")),
     }
 }
 

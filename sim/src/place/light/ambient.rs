@@ -48,6 +48,25 @@ impl Ambient {
         Ambient { rooms: rooms.iter().zip(counts(distance_m)).map(of_room).collect() }
     }
 
+    /// The sum of several lamps' reflected light, each times a factor.
+    pub(super) fn sum<'a>(mut weighted: impl Iterator<Item = (f64, &'a Ambient)>) -> Ambient {
+        let Some((factor, first)) = weighted.next() else { return Ambient::default() };
+        let mut sum = first.clone();
+        sum.each_light(|light, _| *light = light.times(factor), first);
+        weighted.for_each(|(factor, next)| sum.each_light(|light, other| *light = light.plus(factor, other), next));
+        sum
+    }
+
+    /// Calls `visit` for each light of all lattices, together with the same light of the same building's lattices in `other`.
+    fn each_light(&mut self, visit: impl Fn(&mut Illuminance, Illuminance), other: &Ambient) {
+        let points = self.rooms.iter_mut().flat_map(|room| &mut room.points);
+        let others = other.rooms.iter().flat_map(|room| &room.points);
+        for (lights, others) in points.flatten().zip(others.flatten()) {
+            let lights = lights.as_flattened_mut().iter_mut();
+            lights.zip(others.as_flattened()).for_each(|(light, other)| visit(light, *other));
+        }
+    }
+
     /// Reflected light onto a surface at a point of a room.
     pub(super) fn at(&self, room: usize, at: Point3<f64>, normal: Vector3<f64>) -> Illuminance {
         self.rooms.get(room).map_or_else(Illuminance::default, |lattice| lattice.at(at, normal))

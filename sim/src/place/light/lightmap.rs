@@ -53,45 +53,58 @@ impl LightMap {
     }
 }
 
-/// Computes all light in a building: the reflected light, the factor on all lamps, and the light map (illuminance over all faces of the
-/// building).
-pub fn bake(scene: &Scene, building: &Building) -> (Lighting, LightMap) {
-    let mut lighting = Lighting::direct(scene, building);
-    let (size, patches) = layout(building);
-    let work: Vec<(&Panel, Patch)> = building.panels.iter().zip(patches.iter().copied()).collect();
-    let direct = in_parallel(&work, |(panel, patch)| direct_nodes(&lighting, panel, *patch));
-    let reflecting = Reflecting::new(building, &lighting.occluders);
-    let of_reflector = |one: &Reflector| mean_at(one, patches[one.panel], &direct[one.panel]);
-    let first: Vec<Illuminance> = reflecting.all.iter().map(of_reflector).collect();
-    let exitances = reflecting.exitances(&first);
-    let thrown = Thrown { building, occluders: &lighting.occluders, reflecting: &reflecting, exitances: &exitances };
-    let reflected = thrown.over_faces(&work);
-    let ambient = Ambient::new(&thrown);
-    let sum = |(direct, reflected): (&Vec<Illuminance>, &Vec<Illuminance>)| -> Vec<Illuminance> {
-        direct.iter().zip(reflected).map(|(direct, reflected)| direct.plus(1.0, *reflected)).collect()
-    };
-    let total: Vec<Vec<Illuminance>> = direct.iter().zip(&reflected).map(sum).collect();
-    lighting.ambient = ambient;
+/// What the light of all lamps of a building has in common: where its light map has nodes, and how its surfaces see each other.
+pub(super) struct Baking<'a> {
+    building: &'a Building,
+    occluders: &'a Occluders,
+    size: [usize; 2],
+    patches: Vec<Patch>,
+    reflecting: Reflecting<'a>,
+    view_factors: Vec<Vec<(u32, f32)>>,
+}
 
-    let mut map = LightMap {
-        size,
-        nodes: vec![[0.0; 2]; size[0] * size[1]],
-        mean_at_floor: mean_over(&work, &total, |panel| panel.part == Part::Floor && panel.room == 0),
-        patches: patches.clone(),
-    };
-    for (patch, nodes) in map.patches.iter().zip(&total) {
-        for (index, light) in nodes.iter().enumerate() {
-            let (i, j) = (index % patch.count[0], index / patch.count[0]);
-            map.nodes[(patch.first[1] + j) * size[0] + patch.first[0] + i] = light.by_band.map(|lux| lux as f32);
-        }
+impl Baking<'_> {
+    pub(super) fn new<'a>(building: &'a Building, occluders: &'a Occluders) -> Baking<'a> {
+        let (size, patches) = layout(building);
+        let reflecting = Reflecting::new(building, occluders);
+        let view_factors = reflecting.view_factors();
+        Baking { building, occluders, size, patches, reflecting, view_factors }
     }
-    lighting.dimming = dimming(scene, building, &lighting, map.mean_at_floor.lux);
-    (lighting, map)
+
+    /// The light map of some of the building's lamps, and their reflected light anywhere in each room.
+    pub(super) fn light_of(&self, lamps: &[&Source]) -> (LightMap, Ambient) {
+        let (building, occluders, reflecting) = (self.building, self.occluders, &self.reflecting);
+        let work: Vec<(&Panel, Patch)> = building.panels.iter().zip(self.patches.iter().copied()).collect();
+        let direct = in_parallel(&work, |(panel, patch)| direct_nodes(lamps, occluders, panel, *patch));
+        let of_reflector = |one: &Reflector| mean_at(one, self.patches[one.panel], &direct[one.panel]);
+        let first: Vec<Illuminance> = reflecting.all.iter().map(of_reflector).collect();
+        let exitances = reflecting.exitances(&self.view_factors, &first);
+        let thrown = Thrown { building, occluders, reflecting, exitances: &exitances };
+        let reflected = thrown.over_faces(&work);
+        let sum = |(direct, reflected): (&Vec<Illuminance>, &Vec<Illuminance>)| -> Vec<Illuminance> {
+            direct.iter().zip(reflected).map(|(direct, reflected)| direct.plus(1.0, *reflected)).collect()
+        };
+        let total: Vec<Vec<Illuminance>> = direct.iter().zip(&reflected).map(sum).collect();
+        let size = self.size;
+        let mut map = LightMap {
+            size,
+            nodes: vec![[0.0; 2]; size[0] * size[1]],
+            mean_at_floor: mean_over(&work, &total, |panel| panel.part == Part::Floor && panel.room == 0),
+            patches: self.patches.clone(),
+        };
+        for (patch, nodes) in map.patches.iter().zip(&total) {
+            for (index, light) in nodes.iter().enumerate() {
+                let (i, j) = (index % patch.count[0], index / patch.count[0]);
+                map.nodes[(patch.first[1] + j) * size[0] + patch.first[0] + i] = light.by_band.map(|lux| lux as f32);
+            }
+        }
+        (map, Ambient::new(&thrown))
+    }
 }
 
 /// The factor on all lamps that yields the illuminance which the scene states at the camera or on the floor; 1 if the scene states how strong
 /// each lamp is.
-fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floor_lux: f64) -> f64 {
+pub(super) fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floor_lux: f64) -> f64 {
     let ratio = |wanted: f64, given: f64| if given > 0.0 { wanted / given } else { 0.0 };
     if let (Some(wanted_lux), Some(camera)) = (scene.light.illuminance_at_camera_lux, &scene.robot.forward_camera) {
         let start = scene.nominal_start();
@@ -104,9 +117,7 @@ fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floo
         let facing = crate::place::building::level(start.heading_rad + camera.yaw_deg.to_radians());
         return ratio(wanted_lux, lighting.at(at, facing, building.room_at(at), 8).lux);
     }
-    let stated = !scene.lamps.is_empty()
-        && scene.lamps.iter().all(|lamp| lamp.lumens.is_some() || lamp.illuminance_at_floor_lux.is_some());
-    if stated { 1.0 } else { ratio(scene.light.illuminance_at_floor_lux, mean_at_floor_lux) }
+    if scene.lamps_state_outputs() { 1.0 } else { ratio(scene.light.illuminance_at_floor_lux, mean_at_floor_lux) }
 }
 
 /// Gives each flat face of the building a rectangle of the light map for its nodes. The rectangles are packed in rows, from the tallest to the
@@ -141,9 +152,8 @@ fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
 }
 
 /// Direct light, shadows included, at every light-map node of a flat face.
-fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illuminance> {
-    let shadowing: Vec<_> =
-        lighting.sources.iter().map(|source| (source, in_the_way(lighting, source, panel))).collect();
+fn direct_nodes(lamps: &[&Source], occluders: &Occluders, panel: &Panel, patch: Patch) -> Vec<Illuminance> {
+    let shadowing: Vec<_> = lamps.iter().map(|source| (*source, in_the_way(occluders, source, panel))).collect();
     let normal = panel.normal();
     let cells = Cells { panel, normal, step: patch.count.map(|count| 1.0 / (count - 1) as f64) };
     nodes_of(patch)
@@ -164,10 +174,10 @@ fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illumin
 }
 
 /// The furniture and walls that may stand between a lamp and a flat face of the building.
-fn in_the_way(lighting: &Lighting, source: &Source, panel: &Panel) -> Occluders {
+fn in_the_way(all: &Occluders, source: &Source, panel: &Panel) -> Occluders {
     let ends = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[s, t]| source.shape.place(s, t));
     let places: Vec<Point3<f64>> = ends.into_iter().chain(panel.corners()).collect();
-    lighting.occluders.among(&places)
+    all.among(&places)
 }
 
 /// The cells around the light-map nodes of a flat face, over each of which shadows are averaged.

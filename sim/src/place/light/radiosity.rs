@@ -68,9 +68,9 @@ impl Reflecting<'_> {
         }
     }
 
-    /// The exitance of each reflector, given the light that falls on it from lamps: B = ρ·(E + F·B), solved by the method of Gauss and Seidel.
-    pub(super) fn exitances(&self, direct: &[Illuminance]) -> Vec<Illuminance> {
-        let factors = self.view_factors();
+    /// The exitance of each reflector, given the view factors and the light that falls on it from lamps: B = ρ·(E + F·B), solved by the method of
+    /// Gauss and Seidel.
+    pub(super) fn exitances(&self, factors: &[Vec<(u32, f32)>], direct: &[Illuminance]) -> Vec<Illuminance> {
         let mut exitances = vec![[0.0_f64; 3]; self.all.len()];
         for _ in 0..MAX_SWEEPS {
             let (mut change, mut greatest) = (0.0_f64, 0.0_f64);
@@ -100,7 +100,7 @@ impl Reflecting<'_> {
 
     /// View factors from each reflector to those that it sees, with their numbers: as seen from its middle, or the mean over several of its points if
     /// the other one is near.
-    fn view_factors(&self) -> Vec<Vec<(u32, f32)>> {
+    pub(super) fn view_factors(&self) -> Vec<Vec<(u32, f32)>> {
         in_parallel(&self.all, |own| {
             let mut row = Vec::new();
             self.each_before(own.eye, &[own.normal], |index, between| {

@@ -310,11 +310,21 @@ pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Ve
             centre: single(at),
             radius_m: radius_m as f32,
             retroreflection: 0.0,
-            matt: (source.luminance() * [source.photons.visible, source.photons.infrared][band]) as f32,
+            matt: match source.lumens > 0.0 {
+                true => (source.luminance() * [source.photons.visible, source.photons.infrared][band]) as f32,
+                false => bulb_off(building, lighting, at, band) as f32,
+            },
         }),
         Shape::Rectangle { .. } => None,
     });
     dots.chain(bulbs).collect()
+}
+
+/// Luminance of a bulb that is off, before the factor on all light: it reflects the mean of what comes from above and from below.
+fn bulb_off(building: &Building, lighting: &Lighting, at: Point3<f64>, band: usize) -> f64 {
+    let room = building.room_at(at);
+    let light = [Vector3::z(), -Vector3::z()].map(|normal| lighting.bounced(at, normal, room).by_band[band]);
+    DIFFUSER_ALBEDO * 0.5 * (light[0] + light[1]) / std::f64::consts::PI
 }
 
 /// The grid of the floor's tiles and the albedo of each tile; the edge lengths are 0 if there are no tiles.

@@ -11,11 +11,10 @@ use super::{
 use crate::{
     place::{
         building::Building,
-        light::{FloorField, LightMap, Lighting, bake},
+        light::{FloorField, LightMap, Lighting},
     },
     render::device::Graphics,
-    scene::{MAX_LAMPS, Scene},
-    world::Drawn,
+    scene::MAX_LAMPS,
 };
 
 /// The room of a scene on the device: everything that stands still, and the people as they were last placed.
@@ -54,9 +53,12 @@ struct Stored {
 }
 
 impl RoomWorld {
-    pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, scene: &Scene, drawn: &Drawn) -> RoomWorld {
-        let building = Building::new(scene, &drawn.place);
-        let (lighting, map) = bake(scene, &building);
+    pub(super) fn new(
+        graphics: &Graphics,
+        pipelines: &Pipelines,
+        building: Building,
+        (lighting, map): (Lighting, LightMap),
+    ) -> RoomWorld {
         let (nodes, cells) = faces::cells(&building, &lighting);
         let edges = [false, true].map(|rolling| edges::of_building(&building, &lighting, rolling));
         let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
@@ -85,6 +87,19 @@ impl RoomWorld {
             map,
             light_maps,
         }
+    }
+
+    /// Gives the building other light of the same lamps, without the shadows of people, who have to be placed anew.
+    pub(in crate::render) fn light_up(&mut self, graphics: &Graphics, (lighting, map): (Lighting, LightMap)) {
+        for band in 0..2 {
+            write_light(graphics, &self.light_maps[band], &map.nodes, band);
+            let lamps = faces::lamps(&self.building, &lighting, band);
+            graphics.queue.write_buffer(&self.stored[band].lamps, 0, bytemuck::cast_slice(&lamps));
+            let discs = faces::discs(&self.building, &lighting, band);
+            graphics.queue.write_buffer(&self.discs[band], 0, bytemuck::cast_slice(&discs));
+        }
+        (self.lighting, self.map) = (lighting, map);
+        self.people.placed.clear();
     }
 
     pub(super) fn bindings(&self, band: usize) -> &wgpu::BindGroup {

@@ -13,7 +13,7 @@ use crate::{
     devices::{BoundCheck, Device, Observation},
     optics::{AutoExposure, Exposure},
     render::View,
-    scene::{CameraTiming, Event, Scene},
+    scene::{CameraTiming, Scene},
     truth::{
         Truth,
         randomness::{self, Repeated},
@@ -21,7 +21,10 @@ use crate::{
     world::Drawn,
 };
 
-use super::fitted_camera::FittedCamera;
+use super::{
+    fitted_camera::FittedCamera,
+    lamp_states::{LampState, LampStates},
+};
 
 /// A camera that takes an image every period.
 pub struct CameraSensor {
@@ -33,7 +36,7 @@ pub struct CameraSensor {
     /// Whether the robot turned at the earliest time at which the next exposure may begin, so that this exposure is limited to
     /// `turning_exposure_s`.
     turns: bool,
-    lights: Vec<Switch>,
+    lamp_states: LampStates,
     clock: Repeated,
     /// The declared bound on the errors of the camera's stamps, to be checked; `None` where the localizer does not rely on it.
     stamp_bound: Option<Assumption>,
@@ -42,31 +45,26 @@ pub struct CameraSensor {
     recent: VecDeque<Truth>,
 }
 
-/// A change of the lamps: from this time on they give this illuminance.
-#[derive(Clone, Copy, Debug)]
-struct Switch {
-    at_s: f64,
-    illuminance_at_floor_lux: f64,
-}
-
 /// An exposure that has just ended and whose image has not been drawn.
 pub(super) struct Exposed {
     /// The picture (view) that is to be drawn.
     pub(super) view: View,
+    /// State of the lamps in the middle of the exposure.
+    pub(super) lamps: LampState,
     middle: Truth,
     ended_s: f64,
 }
 
 impl CameraSensor {
-    /// The scene's camera of this name, under lamps that initially give `at_first_lux` at the floor; `None` if the robot has no such camera.
-    pub(super) fn new(name: Camera, scene: &Scene, seed: u64, drawn: &Drawn, at_first_lux: f64) -> Option<Self> {
+    /// The scene's camera of this name, under lamps that are switched as stated; `None` if the robot has no such camera.
+    pub(super) fn new(name: Camera, scene: &Scene, seed: u64, drawn: &Drawn, lamp_states: LampStates) -> Option<Self> {
         let (keys, camera) = (scene.robot.camera(name)?, FittedCamera::new(name, scene, drawn, seed)?);
         Some(CameraSensor {
             timing: keys.timing(),
             auto_exposure: AutoExposure::new(&camera.sensor),
             turning_exposure_s: keys.turning_exposure_s(),
             turns: false,
-            lights: switches(scene, at_first_lux),
+            lamp_states,
             clock: Repeated::new(
                 scene.robot.errors,
                 randomness::stream(seed, &format!("{}_camera.clock", name.as_str())),
@@ -99,8 +97,9 @@ impl CameraSensor {
             return None;
         }
         let truths: Vec<Truth> = instants(from_s, to_s).map(|time_s| self.truth_at(time_s)).collect();
-        let view = self.camera.view(&truths, exposure, self.illuminance_lux(middle_s), self.n_images);
-        Some(Exposed { view, middle: self.truth_at(middle_s), ended_s: to_s })
+        let lamps = self.lamp_states.at(middle_s).clone();
+        let view = self.camera.view(&truths, exposure, lamps.illuminance_at_floor_lux, self.n_images);
+        Some(Exposed { view, lamps, middle: self.truth_at(middle_s), ended_s: to_s })
     }
 
     /// Stamps and sends the image of an exposure.
@@ -133,14 +132,6 @@ impl CameraSensor {
             _ => self.recent.back().copied().unwrap_or_default(),
         }
     }
-
-    fn illuminance_lux(&self, time_s: f64) -> f64 {
-        self.lights
-            .iter()
-            .rev()
-            .find(|switch| switch.at_s <= time_s)
-            .map_or(0.0, |switch| switch.illuminance_at_floor_lux)
-    }
 }
 
 /// The declared bound on the errors of a camera's stamps, to be checked; `None` where the scene's localizer does not rely on it.
@@ -159,17 +150,4 @@ fn instants(from_s: f64, to_s: f64) -> impl Iterator<Item = f64> {
     // The path of a wheeled robot during one exposure bends so little that five poses describe it.
     const N_POSES: usize = 5;
     (0..N_POSES).map(move |index| from_s + (to_s - from_s) * index as f64 / (N_POSES - 1) as f64)
-}
-
-/// The illuminance by the lamps over time: at first the given one, then as the scene's events switch it.
-fn switches(scene: &Scene, at_first_lux: f64) -> Vec<Switch> {
-    let mut switches = vec![Switch { at_s: f64::NEG_INFINITY, illuminance_at_floor_lux: at_first_lux }];
-    switches.extend(scene.events.iter().filter_map(|event| match event {
-        Event::Light { at_s, illuminance_at_floor_lux } => {
-            Some(Switch { at_s: *at_s, illuminance_at_floor_lux: *illuminance_at_floor_lux })
-        }
-        _ => None,
-    }));
-    switches.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-    switches
 }

@@ -14,7 +14,7 @@ use super::{
     super::{
         camera_view,
         canvas::{Canvas, Panel},
-        figure::{frame, illuminance_lux},
+        figure::{frame, illuminance_lux, switched_lamps},
         legend::{Entry, draw_legend},
         map_view::{MapView, learnt_by},
         palette, range_view,
@@ -151,8 +151,10 @@ impl<'a> Drawing<'a> {
         for image in self.record.images.iter().filter(of_it) {
             camera_view::draw_seen(canvas, fitted, &pens, &self.file.scene, self.record, image);
         }
-        let lux = illuminance_lux(&self.file.scene, *measured_s).0;
-        format!("{lux} lx, {:.1} ms", 1e3 * picture.exposure_s)
+        let lux = illuminance_lux(&self.file.scene, *measured_s).map(|(lux, _)| format!("{lux} lx"));
+        let lamps = switched_lamps(&self.file.scene, *measured_s);
+        let exposure = format!("{:.1} ms", 1e3 * picture.exposure_s);
+        lux.into_iter().chain(lamps).chain([exposure]).collect::<Vec<_>>().join(", ")
     }
 
     /// Draws what the range camera measured last, and returns in words how many landmarks are known.

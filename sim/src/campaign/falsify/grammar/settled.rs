@@ -88,12 +88,16 @@ fn shrink_to_turn(region: &mut Table, room_m: [f64; 2]) {
     }
 }
 
-/// Gives each event a time within the run, and lets it name only regions of the floor that the scene has.
+/// Gives each event a time within the run, and lets it name only regions of the floor and lamps that the scene has.
 fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
     let regions: Vec<String> = match scene.get_mut("floor") {
         Some(Value::Table(floor)) => items(floor, "region").filter_map(|region| text(region, "name")).collect(),
         _ => Vec::new(),
     };
+    let lamps = lamp_names(scene);
+    if let (true, Some(Value::Array(events))) = (lamps.is_empty(), scene.get_mut("event")) {
+        events.retain(|event| event.get("lamp").is_none());
+    }
     for (index, event) in items(scene, "event").enumerate() {
         let mut dice = draws.dice(&format!("time of event {index}"));
         let lasts_s = number(event, "lasts_s").unwrap_or(0.0).min(0.5 * duration_s);
@@ -108,5 +112,20 @@ fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
                 false => event.insert("region".to_owned(), Value::String(dice.choose(&regions).clone())),
             };
         }
+        if event.contains_key("lamp") {
+            event.insert("lamp".to_owned(), Value::String(dice.choose(&lamps).clone()));
+        }
+    }
+}
+
+/// Returns the names of the scene's lamps, for events that switch them. If none has a name, the first lamp is given one.
+fn lamp_names(scene: &mut Table) -> Vec<String> {
+    let names: Vec<String> = items(scene, "lamp").filter_map(|lamp| text(lamp, "name")).collect();
+    match items(scene, "lamp").next() {
+        Some(first) if names.is_empty() => {
+            first.insert("name".to_owned(), Value::String("first".to_owned()));
+            vec!["first".to_owned()]
+        }
+        _ => names,
     }
 }
