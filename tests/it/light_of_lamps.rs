@@ -141,10 +141,35 @@ fn shadow_edges_are_where_similar_triangles_put_them() {
         let place = |index: i32| from + (to - from) * f64::from(index) / 2000.0;
         place((0..2000).find(|index| (share(place(*index)) - 0.5).signum() != (share(from) - 0.5).signum()).unwrap())
     };
-    // The light map stores the floor's illuminance at nodes 0.05 m apart; a shadow's edge must be found much more precisely than that.
+    // The light map stores the floor's illuminance at nodes some centimetres apart; a shadow's edge must be found more precisely than that.
     for (edge, expected) in [(crossing(1.85, 2.4), 2.0), (crossing(2.4, 2.95), 2.8)] {
         assert!((edge - expected).abs() < 0.01, "{edge}, expected {expected}");
     }
+}
+
+#[test]
+fn the_shadow_of_furniture_by_a_bulb_is_little_less_sharp_than_the_bulb_makes_it() {
+    // A bulb of 10 cm hangs at x = 1 and 2.1 m up, and a seat 0.4 m up begins at x = 1.5. From the points of the bulb's disc that are farthest aside,
+    // at x = 1.048 and 0.952 and 2.114 m and 2.086 m up, rays past the seat's edge meet the floor at x = 1.6055 and 1.6300, from its middle at 1.6176.
+    let seat = UprightBox {
+        middle_m: [1.7, 1.5],
+        heading_rad: 0.0,
+        size_m: [0.4, 1.0],
+        between_m: [0.399, 0.4],
+        material: Material::matt(0.5),
+    };
+    let bulb = BULB.replace("height_m = 2.0", "height_m = 2.1");
+    let (building, _, map) = baked(&black_room(&bulb), &[seat]);
+    let (open, _, lit_map) = baked(&black_room(&bulb), &[]);
+    let share = |x: f64| at_floor(&map, &building, x, 1.5) / at_floor(&lit_map, &open, x, 1.5);
+    let falls_below = |least: f64| {
+        let place = |index: i32| 1.5 + 0.2 * f64::from(index) / 2000.0;
+        place((0..2000).find(|index| share(place(*index)) < least).unwrap())
+    };
+    assert!((falls_below(0.5) - 1.6176).abs() < 0.004, "{}", falls_below(0.5));
+    // Of a disc's light, 10 % to 90 % is open over 0.687 of its diameter, here over 17 mm. With nodes 5 cm apart it would be over 65 mm.
+    let width_m = falls_below(0.1) - falls_below(0.9);
+    assert!((0.016..0.035).contains(&width_m), "{width_m}");
 }
 
 #[test]

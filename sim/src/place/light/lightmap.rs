@@ -1,9 +1,11 @@
 //! Light maps: illuminance at a grid of points (nodes) on every flat face of a building, computed once.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use nalgebra::{Point3, Vector3};
 
 use super::{
-    Illuminance, Lighting, Source,
+    Illuminance, Lighting, Shape, Source,
     ambient::Ambient,
     gathered::Thrown,
     nodes::{Patch, hair, nodes_of},
@@ -22,11 +24,20 @@ const NODE_DISTANCE_M: [f64; 2] = [0.05, 0.08];
 /// Greatest number of nodes (points with a computed illuminance) of a light map; more would take seconds to compute. In a large hall the nodes
 /// are farther apart.
 const MAX_NODES: f64 = 90_000.0;
+/// Wanted distance between the nodes of a floor on which a small lamp in its room casts shadows of furniture: a bulb of 10 cm, 2.1 m up, draws the
+/// edge of a seat 0.4 m high over 24 mm.
+const FINE_NODE_DISTANCE_M: f64 = 0.0125;
+/// Greatest distance between opposite corners of a lamp that counts as small, or of the square around a bulb.
+const SMALL_LAMP_M: f64 = 0.15;
+/// Greatest number of nodes of all floors with a smaller distance between nodes. More would cost time whenever people and their shadows move.
+const MAX_FINE_NODES: f64 = 30_000.0;
 /// Number of nodes (points with a computed illuminance) in a row of the light map; no flat face of the building has more nodes in a row.
 const WIDTH: usize = 1024;
 /// Number of points along each side of a cell around a node of the light map, over which shadows are averaged. Each of these points is paired
 /// with a different point on the lamp. The number must not be a multiple of 3, or points of the lamp would be left out.
 const SUB_PLACES: usize = 7;
+/// Corners of a lamp, by the coordinates along its axes.
+const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
 /// Illuminance in both bands over all panels (flat faces) of a building, before the factor on all light that yields the illuminance which the
 /// scene states.
@@ -64,8 +75,8 @@ pub(super) struct Baking<'a> {
 }
 
 impl Baking<'_> {
-    pub(super) fn new<'a>(building: &'a Building, occluders: &'a Occluders) -> Baking<'a> {
-        let (size, patches) = layout(building);
+    pub(super) fn new<'a>(building: &'a Building, lamps: &[Source], occluders: &'a Occluders) -> Baking<'a> {
+        let (size, patches) = layout(building, &finely_shadowed(building, lamps, occluders));
         let reflecting = Reflecting::new(building, occluders);
         let view_factors = reflecting.view_factors();
         Baking { building, occluders, size, patches, reflecting, view_factors }
@@ -120,17 +131,34 @@ pub(super) fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, m
     if scene.lamps_state_outputs() { 1.0 } else { ratio(scene.light.illuminance_at_floor_lux, mean_at_floor_lux) }
 }
 
-/// Gives each flat face of the building a rectangle of the light map for its nodes. The rectangles are packed in rows, from the tallest to the
-/// lowest.
-fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
-    let wanted_m = |panel: &Panel| NODE_DISTANCE_M[usize::from(panel.part != Part::Floor)];
-    let wanted: f64 = building.panels.iter().map(|panel| panel.area_m2() / wanted_m(panel).powi(2)).sum();
+/// Whether each flat face of the building is a floor on which a small lamp in the same room casts shadows of furniture.
+fn finely_shadowed(building: &Building, lamps: &[Source], occluders: &Occluders) -> Vec<bool> {
+    let is_small = |lamp: &&Source| 2.0 * lamp.shape.reach_m() < SMALL_LAMP_M;
+    let small: Vec<&Source> = lamps.iter().filter(is_small).collect();
+    let is_fine = |panel: &Panel| {
+        let is_near = |lamp: &&&Source| building.room_at(lamp.shape.place(0.0, 0.0)) == panel.room;
+        let casts = |lamp: &&Source| in_the_way(occluders, lamp, panel).has_boxes();
+        panel.part == Part::Floor && small.iter().filter(is_near).any(casts)
+    };
+    building.panels.iter().map(is_fine).collect()
+}
+
+/// Gives each flat face of the building a rectangle of the light map for its nodes, which are closer to each other on `fine` faces. The rectangles
+/// are packed in rows, from the tallest to the lowest.
+fn layout(building: &Building, fine: &[bool]) -> ([usize; 2], Vec<Patch>) {
+    let usual_m = |panel: &Panel| NODE_DISTANCE_M[usize::from(panel.part != Part::Floor)];
+    let wanted: f64 = building.panels.iter().map(|panel| panel.area_m2() / usual_m(panel).powi(2)).sum();
     let stretch = (wanted / MAX_NODES).sqrt().max(1.0);
+    let fine_m2: f64 =
+        building.panels.iter().zip(fine).filter(|(_, fine)| **fine).map(|(panel, _)| panel.area_m2()).sum();
+    let fine_m = FINE_NODE_DISTANCE_M.max((fine_m2 / MAX_FINE_NODES).sqrt());
     let counts: Vec<[usize; 2]> = building
         .panels
         .iter()
-        .map(|panel| {
-            let distance_m = wanted_m(panel) * stretch;
+        .zip(fine)
+        .map(|(panel, fine)| {
+            let usual_m = usual_m(panel) * stretch;
+            let distance_m = if *fine { usual_m.min(fine_m) } else { usual_m };
             panel.size_m().map(|side_m| ((side_m / distance_m).ceil() as usize + 1).clamp(2, WIDTH))
         })
         .collect();
@@ -175,7 +203,8 @@ fn direct_nodes(lamps: &[&Source], occluders: &Occluders, panel: &Panel, patch: 
 
 /// The furniture and walls that may stand between a lamp and a flat face of the building.
 fn in_the_way(all: &Occluders, source: &Source, panel: &Panel) -> Occluders {
-    let ends = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[s, t]| source.shape.place(s, t));
+    let middle = panel.place(0.5, 0.5);
+    let ends = CORNERS.map(|[s, t]| source.shape.place_towards(middle, s, t));
     let places: Vec<Point3<f64>> = ends.into_iter().chain(panel.corners()).collect();
     all.among(&places)
 }
@@ -200,7 +229,7 @@ impl Cells<'_> {
         let (panel, normal, step) = (self.panel, self.normal, self.step);
         let lamp = source.shape.place(0.0, 0.0);
         let cell_m = 0.5 * (panel.along * step[0] + panel.up * step[1]).norm();
-        let lamp_m = (source.shape.place(1.0, 1.0) - lamp).norm();
+        let lamp_m = source.shape.reach_m();
         all.between_balls([panel.place(s, t), lamp], [cell_m + SLACK_M, lamp_m + SLACK_M], between);
         if between.is_empty() {
             return 1.0;
@@ -211,9 +240,8 @@ impl Cells<'_> {
             let t = (t + step[1] * j).clamp(hair[1], 1.0 - hair[1]);
             panel.place(s, t) + normal * 0.001
         };
-        const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         let cell = CORNERS.map(|[i, j]| at(0.5 * i, 0.5 * j));
-        if between.hide(&cell, &CORNERS.map(|[u, v]| source.shape.place(u, v))) {
+        if between.hide(&cell, &CORNERS.map(|[u, v]| source.shape.place_towards(panel.place(s, t), u, v))) {
             return 0.0;
         }
         let axis = source.shape.normal();
@@ -226,7 +254,14 @@ impl Cells<'_> {
                 continue;
             }
             let on_lamp = |place: usize| (place % N) as f64 * 2.0 / N as f64 + 1.0 / N as f64 - 1.0;
-            let to = source.shape.place(on_lamp(2 * i + j), on_lamp(i + 2 * j + 1));
+            let [u, v] = [on_lamp(2 * i + j), on_lamp(i + 2 * j + 1)];
+            let to = match source.shape {
+                Shape::Rectangle { .. } => source.shape.place(u, v),
+                Shape::Point { .. } => {
+                    let [u, v] = on_disc([u, v]);
+                    source.shape.place_towards(at, u, v)
+                }
+            };
             let weight = weight(axis, at, to, normal);
             total += weight;
             if weight > 0.0 && !between.block(at, to) {
@@ -235,6 +270,17 @@ impl Cells<'_> {
         }
         if total > 0.0 { seen / total } else { 0.0 }
     }
+}
+
+/// The point of the unit disc for a point of the square from −1 to 1, so that equal areas stay equal (Shirley and Chiu, A Low Distortion Map Between
+/// Disk and Square, 1997).
+fn on_disc([u, v]: [f64; 2]) -> [f64; 2] {
+    let (radius, angle_rad) = match (u.abs() > v.abs(), v == 0.0) {
+        (true, _) => (u, FRAC_PI_4 * v / u),
+        (false, false) => (v, FRAC_PI_2 - FRAC_PI_4 * u / v),
+        (false, true) => (0.0, 0.0),
+    };
+    [radius * angle_rad.cos(), radius * angle_rad.sin()]
 }
 
 /// Mean illuminance over the points of a reflector that nothing covers, given its face's rectangle of the light map and the light at its nodes.

@@ -93,6 +93,11 @@ impl Occluders {
         found.walls.extend(self.walls.iter().filter(separates));
     }
 
+    /// Whether there is furniture that casts shadows.
+    pub(super) fn has_boxes(&self) -> bool {
+        !self.boxes.is_empty()
+    }
+
     /// Whether there is nothing that casts shadows.
     pub fn is_empty(&self) -> bool {
         self.boxes.is_empty() && self.walls.is_empty()

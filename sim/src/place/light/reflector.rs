@@ -47,7 +47,7 @@ pub(super) struct Reflector {
     pub(super) shares: Vec<[f64; 2]>,
     /// The same points in the world, a little in front of the reflector.
     pub(super) places: Vec<Point3<f64>>,
-    /// That of these points which is nearest to their middle.
+    /// The middle of these points, or if some of the reflector is covered, that which is nearest to it.
     pub(super) eye: Point3<f64>,
     pub(super) corners: [Point3<f64>; 4],
     middle: Point3<f64>,
@@ -108,7 +108,8 @@ impl Cover<'_> {
         let sum = places.iter().fold(Vector3::zeros(), |sum, place| sum + place.coords);
         let middle = Point3::from(sum / places.len().max(1) as f64);
         let from_middle = |place: &&Point3<f64>| (*place - middle).norm_squared();
-        let eye = *places.iter().min_by(|one, other| from_middle(one).total_cmp(&from_middle(other)))?;
+        let nearest = *places.iter().min_by(|one, other| from_middle(one).total_cmp(&from_middle(other)))?;
+        let eye = if places.len() == SAMPLES * SAMPLES { middle } else { nearest };
         let size_m = panel.size_m();
         let sides_m = [0, 1].map(|axis| size_m[axis] / count[axis] as f64);
         let half = [panel.along / (2 * SAMPLES * count[0]) as f64, panel.up / (2 * SAMPLES * count[1]) as f64];

@@ -59,6 +59,23 @@ impl Shape {
         }
     }
 
+    /// A point of the lamp as it is seen from somewhere, at coordinates along its axes, each from −1 to 1. A bulb is seen as a disc, to whose edge
+    /// points of the unit circle lead.
+    pub(super) fn place_towards(&self, from: Point3<f64>, s: f64, t: f64) -> Point3<f64> {
+        let Shape::Point { at, radius_m } = *self else { return self.place(s, t) };
+        let way = (at - from).normalize();
+        let across = if way.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() }.cross(&way).normalize();
+        at + (across * s + way.cross(&across) * t) * radius_m
+    }
+
+    /// Distance from the lamp's middle to its farthest point, or for a bulb to the corners of the square around its disc.
+    pub(super) fn reach_m(&self) -> f64 {
+        match self {
+            Shape::Rectangle { half_u, half_v, .. } => (half_u + half_v).norm(),
+            Shape::Point { radius_m, .. } => 2.0_f64.sqrt() * radius_m,
+        }
+    }
+
     /// Direction in which a rectangular lamp shines; `None` for a point.
     pub fn normal(&self) -> Option<Vector3<f64>> {
         match self {

@@ -36,7 +36,7 @@ impl SwitchableLight {
             let name = scene.lamps.get(source).and_then(|lamp| lamp.name.as_deref());
             name.and_then(|name| names.iter().position(|switched| *switched == name)).map_or(0, |index| index + 1)
         };
-        let baking = Baking::new(building, &lighting.occluders);
+        let baking = Baking::new(building, &lighting.sources, &lighting.occluders);
         let of_group = |group: usize| {
             let sources: Vec<usize> = (0..lighting.sources.len()).filter(|source| group_of(*source) == group).collect();
             let lamps: Vec<_> = sources.iter().map(|source| &lighting.sources[*source]).collect();
