@@ -14,6 +14,7 @@ use localizer::{
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use sim::{
+    place::{building::Building, light::bake},
     render::{Renderer, View},
     run::{
         RunOptions, RunRecord, run,
@@ -35,6 +36,7 @@ fn main() {
         rolling_frames();
         people_in_a_hall();
     }
+    light_maps();
     views();
     memory();
 }
@@ -234,15 +236,29 @@ fn forward_frames() {
     line("wall_directions, an image of 640 × 480", medians[5] + medians[4], "ms", "≤ 30");
 }
 
+/// Measures the computation of all light in a building, with which each run with cameras begins, on all cores.
+fn light_maps() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let places = [("the flat of home.toml", "scenes/home.toml"), ("a living room", "scenes/rooms/living_room.toml")];
+    for (place, path) in places {
+        let scene = Scene::load(&root.join(path)).unwrap();
+        let building = Building::new(&scene, &Drawn::draw(&scene, 0).place);
+        let seconds = |_| {
+            let began = Instant::now();
+            black_box(bake(&scene, &building));
+            began.elapsed().as_secs_f64()
+        };
+        line(&format!("light maps of {place}"), median((0..5).map(seconds).collect()), "s", "≤ 1");
+    }
+}
+
 /// Measures the rendering of views of three cameras at once in a room with lamps, shadows and furniture, with the sensor model applied.
 fn views() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let scene = Scene::load(&root.join("scenes/rooms/living_room.toml")).unwrap();
     let drawn = Drawn::draw(&scene, 0);
     let mut renderer = Renderer::new().unwrap();
-    let began = Instant::now();
     let world = renderer.upload_room(&scene, &drawn).unwrap();
-    line("light maps of a living room", began.elapsed().as_secs_f64(), "s", "");
     let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
     let lux = world.illuminance_at_floor_lux().unwrap();
     let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
