@@ -28,9 +28,9 @@ use measuring::{Known, measure};
 /// Factors on the filter's standard deviations; 1 for those that follow from the declared bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
-    /// Factor for the noise of the motion sensors.
+    /// Factor for all errors of the motion sensors: their noise, their slip, and the errors of their constants.
     pub motion: f64,
-    /// Factor for the noise of all other measurements.
+    /// Factor for the noise of all other measurements; the errors of mounts, scale and floor plan, which last, are not multiplied.
     pub cues: f64,
 }
 

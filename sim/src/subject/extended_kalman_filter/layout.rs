@@ -53,18 +53,19 @@ impl Layout {
         };
         let gyro = robot.gyro.map(|gyro| {
             let (bias, scale) = (gyro.bias_rad_per_s, gyro.scale);
-            let at = add(&[(bias.mid(), 0.5 * bias.width()), (0.0, 0.5 * scale.width() / scale.mid())]);
+            let share = 0.5 * scale.width() / scale.mid();
+            let at = add(&[(bias.mid(), tuning.motion * 0.5 * bias.width()), (0.0, tuning.motion * share)]);
             [at, at + 1]
         });
         let flow = robot.flow.map(|flow| {
             let per_count = flow.metres_per_count;
             let calibration = 0.5 * per_count.width() / per_count.mid();
             let yaw_rad = 0.5 * flow.yaw_rad.width();
-            let at = add(&[(0.0, calibration), (0.0, tuning.motion * flow.scale_change), (0.0, yaw_rad)]);
+            let at = add(&[calibration, flow.scale_change, yaw_rad].map(|bound| (0.0, tuning.motion * bound)));
             [at, at + 1, at + 2]
         });
         let wheels = &robot.wheels;
-        let share = |of: interval::Interval| (0.0, 0.5 * of.width() / of.mid());
+        let share = |of: interval::Interval| (0.0, tuning.motion * 0.5 * of.width() / of.mid());
         let at = add(&[share(wheels.radius_m[0]), share(wheels.radius_m[1]), share(wheels.track_m)]);
         let wheels_at = [at, at + 1, at + 2];
         let ratios = [wheels.slip_ratio, wheels.slip_ratio, wheels.side_slip_ratio];

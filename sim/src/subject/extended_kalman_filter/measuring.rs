@@ -129,7 +129,7 @@ fn see_joint(belief: &mut Belief, mounted: Mounted, joint: &Joint, known: &Known
     let weighted = |axis: usize| apparent.rows[axis].iter().map(move |(place, slope)| (*place, slope * along[axis]));
     let row: Row = weighted(0).chain(weighted(1)).collect();
     let variance = belief.variance(&row);
-    if UNAMBIGUOUS_SIGMAS * (variance + joint.sigma[1].powi(2)).sqrt() > agreement.half_edge_m {
+    if UNAMBIGUOUS_SIGMAS * (variance + joint.sigma[1].powi(2) * scale).sqrt() > agreement.half_edge_m {
         return;
     }
     let residual = DVector::from_column_slice(&[agreement.turn_rad, agreement.off_m]);

@@ -60,11 +60,12 @@ impl Moved {
                 by.push((yaw, [-along[1], along[0], 0.0]));
                 let [arm_ahead_m, arm_left_m] = flow.position_m.map(|side| side.mid());
                 // Counts are rounded once however often they are read, so that a window has the error of one count, and each step its share of that.
-                let count_m = SIGMAS_OF_BOUND * 0.5 * flow.quantisation_counts * flow.metres_per_count.mid();
+                let factor = tuning.motion * SIGMAS_OF_BOUND;
+                let count_m = factor * 0.5 * flow.quantisation_counts * flow.metres_per_count.mid();
                 // The robot went back and forth within the step only if it got less far than that.
                 let path_m = along[0].hypot(along[1]);
                 let turns_back = (0.0..flow.back_and_forth_m).contains(&path_m) && path_m > 0.0;
-                let back_m = if turns_back { SIGMAS_OF_BOUND * flow.back_and_forth_m } else { 0.0 };
+                let back_m = if turns_back { factor * flow.back_and_forth_m } else { 0.0 };
                 let astray_m2 = count_m.powi(2) * windows + back_m.powi(2);
                 let travel_m = [along[0] + turn_rad * arm_left_m, along[1] - turn_rad * arm_ahead_m];
                 (travel_m, [astray_m2; 2])

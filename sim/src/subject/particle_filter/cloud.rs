@@ -50,11 +50,14 @@ const HALVINGS: usize = 30;
 /// Half width of a start's heading beyond which the heading is unknown, and its samples are even instead of Gaussian.
 const UNKNOWN_RAD: f64 = 1.5;
 /// Standard deviation of the kernel with which samples that are drawn anew are spread, over that of all samples, so that a sample drawn many times does
-/// not stay one (C. Musso, N. Oudjane, F. Le Gland, *Improving regularised particle filters*, 2001). Errors are drawn towards their mean by as much, so
-/// that their mean and variance stay as they are (J. Liu, M. West, *Combined parameter and state estimation in simulation-based filtering*, 2001). The
-/// value belongs to a discount of 0.95, the smaller end of those that Liu and West recommend. With the greater end, 0.99 or a kernel of 0.1, the
-/// offspring of the few samples that a first accurate measurement leaves stay apart, and chance decides how wide their errors are spread.
+/// not stay one (C. Musso, N. Oudjane, F. Le Gland, *Improving regularised particle filters*, 2001). Errors, and poses of one cluster, are drawn
+/// towards their mean by as much, so that their mean and variance stay as they are (J. Liu, M. West, *Combined parameter and state estimation in
+/// simulation-based filtering*, 2001). The value belongs to a discount of 0.95, the smaller end of those that Liu and West recommend. With the greater
+/// end, 0.99 or a kernel of 0.1, the offspring of the few samples that a first accurate measurement leaves stay apart, and chance decides how wide
+/// their errors are spread.
 const KERNEL: f64 = 0.228;
+/// The same for poses of several clusters, which would be washed out by a wider kernel, as all of them together are spread widely.
+const KERNEL_OF_CLUSTERS: f64 = 0.1;
 /// Standard deviations of x, y and heading below which the poses form one cluster: about a quarter of a small tile's side, and an eighth of a quarter
 /// turn, as poses that are told apart by joints and walls alone may be off by a tile or by a quarter turn.
 const ONE_CLUSTER: [f64; POSE] = [0.07, 0.07, 0.2];
@@ -107,13 +110,15 @@ impl Cloud {
 
     /// Carries the samples on along a way, each with its own error of it.
     pub(crate) fn carry(&mut self, way: &Way) {
-        let (kept, rng) = (way.kept(), &mut self.rng);
-        let fresh = (1.0 - kept * kept).sqrt();
+        let rng = &mut self.rng;
         for sample in &mut self.samples {
             sample.pose = way.from(sample.pose, &sample.errors);
-            for error in &mut sample.errors.lasting {
-                let normal: f64 = StandardNormal.sample(rng);
-                *error = kept * *error + fresh * normal;
+            for (index, error) in sample.errors.lasting.iter_mut().enumerate() {
+                let kept = way.kept(index);
+                if kept < 1.0 {
+                    let normal: f64 = StandardNormal.sample(rng);
+                    *error = kept * *error + (1.0 - kept * kept).sqrt() * normal;
+                }
             }
         }
         self.draw_new_errors();
@@ -220,14 +225,15 @@ impl Cloud {
         }
         let are_one_cluster = (0..POSE).all(|axis| covariance[(axis, axis)] < ONE_CLUSTER[axis].powi(2));
         let Some(root) = covariance.cholesky().map(|root| root.l()) else { return };
-        let kept = (1.0 - KERNEL * KERNEL).sqrt();
+        let kernel = if are_one_cluster { KERNEL } else { KERNEL_OF_CLUSTERS };
+        let kept = (1.0 - kernel * kernel).sqrt();
         for (sample, quantities) in self.samples.iter_mut().zip(&quantities) {
             let normal = Quantities::from_fn(
                 |quantity, _| {
                     if varies[quantity] { StandardNormal.sample(&mut self.rng) } else { 0.0 }
                 },
             );
-            let off = root * normal * KERNEL;
+            let off = root * normal * kernel;
             let mut spread = mean + (quantities - mean) * kept + off;
             // Poses that form several clusters are not drawn together.
             if !are_one_cluster {

@@ -43,13 +43,16 @@ pub(crate) struct Way {
 }
 
 /// Number of errors that grow with the way and last: those of the left and of the right wheel, of the direction of travel (slip to the side, or the yaw
-/// of the flow sensor), of the flow sensor's scale and of the gyroscope's scale.
-pub(crate) const N_LASTING: usize = 5;
-const LEFT: usize = 0;
-const RIGHT: usize = 1;
+/// of the flow sensor), of the flow sensor's scale, of the gyroscope's scale, and of the track, which matters where there is no gyroscope.
+///
+/// All but the last are forgotten as the robot goes, although radii, scales and yaw are constant: as constants of each sample they are learnt too well
+/// from a few joints, and where nothing tells the position the robot then goes astray by them.
+pub(crate) const N_LASTING: usize = 6;
+const WHEEL: [usize; 2] = [0, 1];
 const DIRECTION: usize = 2;
 const FLOW_SCALE: usize = 3;
 const GYRO_SCALE: usize = 4;
+const TRACK: usize = 5;
 
 /// The errors of the sensors of one sample.
 #[derive(Clone, Copy, Debug, Default)]
@@ -102,9 +105,11 @@ impl Odometry {
                 (turn_rad, (factor * gyro.noise_rad_per_s * step.span_s / n_rates.sqrt()).powi(2))
             }
             _ => {
-                last(LEFT, [0.0, 0.0, -slipped_m[0] / track_m]);
-                last(RIGHT, [0.0, 0.0, slipped_m[1] / track_m]);
-                ((step.rolled_m[1] - step.rolled_m[0]) / track_m, wheels_m2 / track_m.powi(2))
+                let turn_rad = (step.rolled_m[1] - step.rolled_m[0]) / track_m;
+                last(WHEEL[0], [0.0, 0.0, -slipped_m[0] / track_m]);
+                last(WHEEL[1], [0.0, 0.0, slipped_m[1] / track_m]);
+                last(TRACK, [0.0, 0.0, -factor * share(wheels.track_m) * turn_rad]);
+                (turn_rad, wheels_m2 / track_m.powi(2))
             }
         };
         let rolled_m = 0.5 * (step.rolled_m[0].abs() + step.rolled_m[1].abs());
@@ -118,12 +123,14 @@ impl Odometry {
                 last(DIRECTION, [-yaw_rad * along[1], yaw_rad * along[0], 0.0]);
                 let count_m = factor * 0.5 * flow.quantisation_counts * flow.metres_per_count.mid();
                 // Counts are rounded once however often they are read, so that a window has the error of one count.
-                let off_m2 = count_m.powi(2) * windows;
+                // The robot went back and forth within the step only if it got less far than that.
+                let turns_back = (0.0..flow.back_and_forth_m).contains(&along[0].hypot(along[1])) && along != [0.0; 2];
+                let back_m = if turns_back { factor * flow.back_and_forth_m } else { 0.0 };
+                let off_m2 = count_m.powi(2) * windows + back_m.powi(2);
                 ([along[0] + turn_rad * arm_left_m, along[1] - turn_rad * arm_ahead_m], [off_m2; 2])
             }
             _ => {
-                last(LEFT, [0.5 * slipped_m[0], 0.0, 0.0]);
-                last(RIGHT, [0.5 * slipped_m[1], 0.0, 0.0]);
+                WHEEL.into_iter().for_each(|wheel| last(wheel, [0.5 * slipped_m[wheel], 0.0, 0.0]));
                 last(DIRECTION, [0.0, factor * wheels.side_slip_ratio * rolled_m, 0.0]);
                 let ahead_m = 0.5 * (step.rolled_m[0] + step.rolled_m[1]);
                 ([ahead_m, 0.0], [0.25 * wheels_m2, floor_m2(rolled_m, wheels.side_slip_floor_m)])
@@ -174,9 +181,9 @@ impl Way {
         }
     }
 
-    /// Share of a lasting error that is left after the way: it forgets itself as a first-order Gauss–Markov process does.
-    pub(crate) fn kept(&self) -> f64 {
-        (-self.path_m / LASTS_M).exp()
+    /// Share of a lasting error that is left after the way: one that is forgotten is a first-order Gauss–Markov process.
+    pub(crate) fn kept(&self, error: usize) -> f64 {
+        if error == TRACK { 1.0 } else { (-self.path_m / LASTS_M).exp() }
     }
 
     /// The way without the errors that are new on it.
