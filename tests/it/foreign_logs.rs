@@ -184,6 +184,35 @@ fn scans_of_a_room_narrow_the_boxes_whatever_stands_in_it() {
 }
 
 #[test]
+fn filters_are_told_the_walls_of_logged_scans_and_what_their_distributions_are_worth() {
+    let by = |subject: &str, changes: &[(&str, &str)]| {
+        let choice: SubjectChoice = subject.parse().unwrap();
+        replay_log(&robot("scans.toml", changes), &logs().join("scans"), &choice).unwrap()
+    };
+    for subject in ["ekf", "particles"] {
+        let error_m = |replay: &LogReplay| replay.summary["error"]["position_m"]["mean"].as_f64().unwrap();
+        let with = by(subject, &[]);
+        let without = by(subject, &[(r#"methods = ["wall_ranges"]"#, "methods = []")]);
+        assert!(error_m(&with) < error_m(&without), "{subject}: {} and {}", error_m(&with), error_m(&without));
+        assert!(with.passed && with.text.contains("truth in its 95 % regions at"), "{}", with.text);
+    }
+}
+
+#[test]
+fn a_declared_start_that_does_not_hold_the_true_pose_is_named_whoever_localizes() {
+    let elsewhere = robot("scans.toml", &[("start = { x_m = 1.0", "start = { x_m = 1.4")]);
+    for subject in ["intervals", "ekf"] {
+        let replay = replay_log(&elsewhere, &logs().join("scans"), &subject.parse().unwrap()).unwrap();
+        assert!(!replay.passed, "{subject}");
+        assert!(
+            replay.text.contains("the declared start does not hold the true pose at 0 s: x_m is"),
+            "{}",
+            replay.text
+        );
+    }
+}
+
+#[test]
 fn a_scan_whose_beams_are_measured_one_after_the_other_needs_a_stamp_tolerance_of_half_its_time() {
     let dropped = |summary: &Value| {
         summary["log"]["topics"]["/scan"]["dropped_by_reason"]["its beams are measured over a longer time than declared"]

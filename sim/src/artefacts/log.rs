@@ -60,9 +60,10 @@ pub use report::{LogReplay, log_text};
 pub fn replay_log(robot: &SceneFile, path: &Path, choice: &SubjectChoice) -> Result<LogReplay, LogError> {
     let began = Instant::now();
     let mut log = OpenLog::read(robot, path)?;
+    let start = start_box(&log.told, log.keys);
     let mut player = Player::start(
         subject(choice, &log.told),
-        &start_box(&log.told, log.keys),
+        &start,
         log.motion.readings.clone(),
         log.motion.excesses.clone(),
         log.others(),
@@ -76,7 +77,14 @@ pub fn replay_log(robot: &SceneFile, path: &Path, choice: &SubjectChoice) -> Res
     if let (Some(truth), Some(last)) = (&log.truth, played.estimates.last()) {
         truth.overlaps(last.time_s).map_err(|found| LogError::Unusable { log: path.to_owned(), found })?;
     }
-    Ok(LogReplay::of(&Told { robot, path, log: &log, played: &played, wall_s: began.elapsed().as_secs_f64() }))
+    Ok(LogReplay::of(&Told {
+        robot,
+        path,
+        log: &log,
+        played: &played,
+        start: &start,
+        wall_s: began.elapsed().as_secs_f64(),
+    }))
 }
 
 /// The box in which the localizer is told that the robot begins.

@@ -58,6 +58,14 @@ pub(super) fn compare(estimates: &[Estimate], truth: &TruePath, keys: &LoggedTru
     Compared { checks: truths.len(), contained, first_outside, error: errors(&middles, &poses), truths }
 }
 
+/// How far the true pose at the beginning is outside of the box in which the robot is declared to begin; `None` where it is inside or not known.
+pub(super) fn start_outside(start: &PoseBox, truth: &TruePath, keys: &LoggedTruth) -> Option<Outside> {
+    let (begun_s, pose) = (0.0, truth.at(0.0)?);
+    let within = [keys.tolerance_m, keys.tolerance_m, keys.tolerance_deg.to_radians()];
+    let grown = grown(&PoseUnion::single(start.clone()), within);
+    (!grown.contains_modulo_turn(pose)).then(|| outside(begun_s, &grown.hull(), pose))
+}
+
 /// The union with every box wider by the error that the true pose may have.
 fn grown(union: &PoseUnion, within: [f64; 3]) -> PoseUnion {
     let grow = |branch: &PoseBox| PoseBox::from([0, 1, 2].map(|axis| branch[axis].inflate(within[axis])));

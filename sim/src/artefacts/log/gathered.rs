@@ -342,6 +342,12 @@ fn scan_of(scan: messages::LaserScan, sweep_s: f64, scanner: &Scanner) -> Result
         return Err(("its beams are measured over a longer time than declared", detail));
     }
     let [least_m, most_m] = scan.between_m;
+    // A greatest distance that is infinite is that of a scanner without one.
+    if least_m.is_nan() || most_m.is_nan() || least_m > most_m {
+        let detail =
+            format!("`range_min` is {least_m} and `range_max` {most_m}, expected a number and one that is no less");
+        return Err(("its least and greatest range hold no distance", detail));
+    }
     let distance = |&at_m: &f64| (at_m.is_finite() && least_m <= at_m && at_m <= most_m && at_m >= 0.0).then_some(at_m);
     let distances_m = scan.distances_m.iter().map(distance).collect();
     Ok(Scan { first_rad: scan.first_rad, step_rad: scan.step_rad, distances_m })

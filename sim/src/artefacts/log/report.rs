@@ -24,7 +24,7 @@ use serde_json::{Value, json};
 
 use super::{
     account::Topic,
-    containment::{Compared, compare},
+    containment::{Compared, Outside, compare, start_outside},
     lenses::LensFound,
     open_log::OpenLog,
     player::Played,
@@ -37,7 +37,7 @@ use crate::{
         machine::machine,
         run_files::{self, RecordError, estimates_digest, naming, scene_digest, width_of},
     },
-    judge::{Passed, fix_width, judge_distributions},
+    judge::{Passed, figures::figures, fix_width, honesty, judge_distributions},
     loading::SceneFile,
     scene::Scene,
 };
@@ -48,6 +48,8 @@ pub(super) struct Told<'a> {
     pub(super) path: &'a Path,
     pub(super) log: &'a OpenLog<'a>,
     pub(super) played: &'a Played,
+    /// The box in which the localizer was told that the robot begins.
+    pub(super) start: &'a PoseBox,
     pub(super) wall_s: f64,
 }
 
@@ -93,6 +95,9 @@ impl LogReplay {
         let passed = Passed { passed: failed.is_empty(), failed: failed.clone(), not_applicable };
         summary["verdict"] = serde_json::to_value(passed).unwrap_or_default();
         let mut text = text::text(&summary);
+        if let Some(honesty) = honesty(&figures(&summary)) {
+            text.push_str(&format!("{honesty}\n"));
+        }
         text::verdict(&mut text, &failed);
         let duration_s = summary["duration_s"].as_f64().unwrap_or_default();
         let timing = json!({
@@ -150,6 +155,10 @@ fn failures(told: &Told<'_>, compared: Option<&Compared>, tight: &[Tightness]) -
     let mut failed: Vec<String> = told.played.failure.iter().map(ToString::to_string).collect();
     if let Some(compared) = compared.filter(|compared| told.played.has_boxes && compared.contained < compared.checks) {
         failed.push(format!("outside = {} of {} checks", compared.checks - compared.contained, compared.checks));
+    }
+    let truth = told.log.truth.as_ref().zip(told.log.keys.truth.as_ref());
+    if let Some(Outside { axis, margin, .. }) = truth.and_then(|(truth, keys)| start_outside(told.start, truth, keys)) {
+        failed.push(format!("the declared start does not hold the true pose at 0 s: {axis} is {margin:.4} outside"));
     }
     let exceeded = tight.iter().filter(|one| one.exceeded > 0);
     failed.extend(exceeded.map(|one| {

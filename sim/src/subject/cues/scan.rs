@@ -84,7 +84,7 @@ impl Scans {
         let Reading::Other { device, numbers, .. } = reading else { return None };
         let scan = Scan::of(numbers).filter(|_| device == DEVICE)?;
         let ends = self.ends(&scan);
-        let runs = ends.chunk_by(|one, next| self.are_neighbours(one, next, scan.step_rad));
+        let runs = ends.chunk_by(|one, next| self.are_neighbours(one, next, scan.step_rad.abs()));
         let mut lines: Vec<Line> =
             runs.flat_map(|run| self.straight(run)).filter_map(|part| self.line(part, twist)).collect();
         // Long lines are mostly walls, and make the pose known by which furniture is told from them.
@@ -105,7 +105,8 @@ impl Scans {
         scan.distances_m.iter().enumerate().filter_map(end).collect()
     }
 
-    /// Whether two beams are neighbours whose ends may be points of one wall (adaptive breakpoint detector of Borges and Aldon, eq. 2).
+    /// Whether two beams are neighbours whose ends may be points of one wall (adaptive breakpoint detector of Borges and Aldon, eq. 2). `step_rad` is
+    /// the angle between neighbouring beams, whichever way the scanner turns. Beams that are [`LEAST_INCIDENCE_RAD`] or more apart have no neighbours.
     fn are_neighbours(&self, one: &End, next: &End, step_rad: f64) -> bool {
         let least_rad = LEAST_INCIDENCE_RAD - step_rad;
         let most_m = one.distance_m * step_rad.sin() / least_rad.sin() + self.scanner.range_error_m;

@@ -84,6 +84,23 @@ fn the_lines_of_a_room_are_its_walls_as_seen_from_the_true_pose() {
 }
 
 #[test]
+fn a_scanner_that_turns_the_other_way_sees_the_same_lines() {
+    let pose = [2.0, 1.5, 0.3];
+    let reading = scan(pose, SIDES, 0.0, 0.0);
+    let Reading::Other { measured_s, arrived_s, device, mut numbers } = reading.clone() else { panic!("no scan") };
+    numbers[0] += (BEAMS - 1) as f64 * numbers[1];
+    numbers[1] = -numbers[1];
+    numbers[2..].reverse();
+    let (lines, _) = lines_of(&room(""), &reading);
+    let (reversed, plan) = lines_of(&room(""), &Reading::Other { measured_s, arrived_s, device, numbers });
+    assert_eq!(reversed.len(), lines.len());
+    for line in &reversed {
+        let met = plan.met(line, pose).unwrap();
+        assert!(met.turn_rad.abs() < 5e-4 && met.off_m.abs() < 5e-4, "{met:?}");
+    }
+}
+
+#[test]
 fn the_errors_of_distances_average_out_over_the_beams_of_a_line_and_those_of_the_scan_do_not() {
     let scene = room("tolerance_m = 0.03\nangle_tolerance_deg = 0.0\nstamp_tolerance_s = 0.0\nheight_m = 0.2");
     let (lines, plan) = lines_of(&scene, &scan([3.0, 2.0, -MOUNT[2]], SIDES, 0.0, 0.0));

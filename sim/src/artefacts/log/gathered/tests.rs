@@ -128,3 +128,19 @@ fn a_turn_rate_about_an_axis_that_points_down_is_negative() {
     let rates = axes.map(|up| about_vertical([1.0, 2.0, 3.0], up));
     assert_eq!(rates, [1.0, 2.0, 3.0, -1.0, -2.0, -3.0]);
 }
+
+#[test]
+fn a_scan_whose_least_and_greatest_range_hold_no_distance_is_dropped_and_one_without_a_greatest_is_not() {
+    let of = |between_m: [f64; 2]| {
+        let scan =
+            messages::LaserScan { first_rad: 0.0, step_rad: 0.1, step_s: 0.0, between_m, distances_m: vec![1.0, 20.0] };
+        scan_of(scan, 0.0, &Scanner::default()).map(|scan| scan.distances_m)
+    };
+    assert_eq!(of([0.1, 10.0]), Ok(vec![Some(1.0), None]));
+    assert_eq!(of([0.0, f64::INFINITY]), Ok(vec![Some(1.0), Some(20.0)]));
+    for between_m in [[0.1, f64::NAN], [f64::NAN, 10.0], [10.0, 0.1]] {
+        let (reason, detail) = of(between_m).unwrap_err();
+        assert_eq!(reason, "its least and greatest range hold no distance");
+        assert!(detail.contains("`range_max`"), "{detail}");
+    }
+}
