@@ -115,6 +115,10 @@ bounds! {
     FLOOR_TILES_LAYING_ANGLE = "floor_tiles.laying_angle" in "rad";
     #[doc = "Distance of a joint in view from a straight line."]
     FLOOR_TILES_STRAIGHTNESS = "floor_tiles.straightness" in "m";
+    #[doc = "Deviation of the forward camera's position on the body from its nominal position, forward or left."]
+    FORWARD_CAMERA_POSITION = "forward_camera.position" in "m";
+    #[doc = "Deviation of the forward camera's height above the floor from its nominal height."]
+    FORWARD_CAMERA_HEIGHT = "forward_camera.height" in "m";
     #[doc = "Angle by which the forward camera is turned about the body's vertical against its nominal direction."]
     FORWARD_CAMERA_YAW = "forward_camera.yaw" in "rad";
     #[doc = "Angle by which the forward camera leans from its nominal orientation."]

@@ -229,4 +229,13 @@ pub enum Claim {
         /// Greatest distance of the measured point from the nearest mapped wall.
         within_m: f64,
     },
+    /// A claim that an upright edge of a mapped wall was seen: at least one of the given image lines is, within its bound, the image of at least one
+    /// of the given edges of the map, where that truly stands.
+    WallUpright {
+        /// First and last point of each image line, `[u, v]`, with the greatest distance of the true edge's image from either of them, across the
+        /// line, in pixels.
+        lines: Vec<([[f64; 2]; 2], f64)>,
+        /// Places of the edges on the map, world x and y.
+        posts_m: Vec<[f64; 2]>,
+    },
 }

@@ -31,11 +31,12 @@ fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<
 #[test]
 fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
     // The runs together rely on every bound. The first ones use the four methods of a home (floor tiles, ceiling markers, wall directions,
-    // landmarks), the distances of walls, landmarks in space, the gyroscope and satellite navigation; others learn the gyroscope's errors with and
-    // without a declared bound on its angle and at rest, and use the flow sensor.
+    // landmarks), the distances of walls, upright edges of walls, landmarks in space, the gyroscope and satellite navigation; others learn the
+    // gyroscope's errors with and without a declared bound on its angle and at rest, and use the flow sensor.
     let runs = [
         named("home.toml", 1.0, |_| {}),
         named("home_ranges.toml", 1.0, |_| {}),
+        named("home_bearings.toml", 1.0, |_| {}),
         named("tiles.toml", 0.5, |scene| scene.robot.delivery.stamp_tolerance_s = 0.0005),
         named("dark/carpet.toml", 1.0, |_| {}),
         named("landmarks/teach.toml", 1.0, |_| {}),

@@ -58,6 +58,7 @@ mod mapped_landmarks;
 mod floor_tiles_geometry;
 /// Tests of computing headings from level edges of walls, against a camera written for these tests alone.
 mod wall_directions_geometry;
+mod wall_bearings;
 mod wall_ranges;
 /// Tests of the detection of straight edges and features in images of known brightness.
 mod dark_vision;

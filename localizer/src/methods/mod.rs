@@ -13,6 +13,8 @@ mod lean;
 mod tilt;
 pub mod range_landmarks;
 #[cfg(feature = "vision")]
+pub mod wall_bearings;
+#[cfg(feature = "vision")]
 pub mod wall_directions;
 pub mod wall_ranges;
 mod window;

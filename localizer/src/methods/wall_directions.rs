@@ -20,7 +20,7 @@ mod held;
 mod learnt;
 mod posture;
 mod quotas;
-mod sight;
+pub(super) mod sight;
 
 pub use quotas::Quotas;
 pub use sight::ray;

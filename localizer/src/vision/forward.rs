@@ -28,6 +28,9 @@ const GUIDANCE_PX: f32 = 2.5;
 const BORDER_PX: f64 = 14.0;
 /// Length that is cut off at each end of an edge, because edges are distorted where they meet other edges.
 const TRIM_PX: f64 = 4.0;
+/// Distance from the image's border within which an edge that was found may go on beyond its end: the border in which none is searched, what is cut
+/// off, and the block of pixels in which a segment ends.
+pub const GOES_ON_PX: f64 = BORDER_PX + TRIM_PX + 6.0;
 /// Bound assumed for the ends of segments from the chain of paper 2, which states none: the chain's filter moves edges by about as much.
 const PRINTED_PX: f64 = 1.5;
 /// Least length of an edge; shorter edges do not determine a direction.

@@ -4,7 +4,10 @@ use interval::Interval;
 use localizer::{
     Map, Method, RobotModel,
     bounds::{self, Assumption},
-    methods::wall_directions::{self, WallDirections},
+    methods::{
+        wall_bearings::{CameraPlace, WallBearings},
+        wall_directions::{self, WallDirections},
+    },
     robot::ForwardCameraModel,
 };
 
@@ -16,9 +19,10 @@ use super::{
     relative,
 };
 
-/// Names of the forward camera's calibration bounds; none for its position, because a heading from walls does not depend on where the camera is.
+/// Names of the forward camera's calibration bounds. Those of its position matter to the method `wall_bearings` alone, because a heading from walls
+/// does not depend on where the camera is.
 const BOUNDS: CalibrationBounds = CalibrationBounds {
-    position: &[],
+    position: &[bounds::FORWARD_CAMERA_POSITION, bounds::FORWARD_CAMERA_HEIGHT],
     angles: &[bounds::FORWARD_CAMERA_YAW, bounds::FORWARD_CAMERA_TILT],
     focal: &[bounds::FORWARD_CAMERA_FOCAL],
     principal_point: &[bounds::FORWARD_CAMERA_PRINCIPAL_POINT],
@@ -32,7 +36,12 @@ impl Device for ForwardCamera {
         DrawnCamera::draw(self, &self.calibration, errors, seed)
     }
 
-    fn method(&self, _name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+    fn method(&self, name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+        if name == MethodName::WallBearings {
+            let setup = scene.localizer.wall_bearings().method();
+            let (camera, walls) = (robot.forward_camera?, map.walls.as_ref()?);
+            return Some(Box::new(WallBearings::new(camera, self.place(), walls, setup, robot)));
+        }
         let keys = scene.localizer.wall_directions();
         let setup = wall_directions::Setup {
             chain: match keys.chain {
@@ -54,15 +63,19 @@ impl Device for ForwardCamera {
     }
 
     fn is_relied_on(&self, scene: &Scene) -> bool {
-        scene.localizer.methods.contains(&MethodName::WallDirections)
+        [MethodName::WallDirections, MethodName::WallBearings].iter().any(|name| scene.localizer.methods.contains(name))
     }
 
-    fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
-        BOUNDS.constants(&self.calibration, self, drawn)
+    fn constants(&self, drawn: &DrawnCamera, scene: &Scene) -> Vec<(Assumption, f64, f64)> {
+        let mut constants = BOUNDS.constants(&self.calibration, self, drawn);
+        if !scene.localizer.methods.contains(&MethodName::WallBearings) {
+            constants.retain(|(name, _, _)| !BOUNDS.position.contains(name));
+        }
+        constants
     }
 
     /// The angle between the directions of walls on the map and the true ones, and the angle by which the piece of furniture that stands most askew
-    /// is turned.
+    /// is turned. For the method `wall_bearings` the distance of the walls from their places on the map.
     fn surroundings(&self, _drawn: &DrawnCamera, scene: &Scene, surroundings: &Surroundings<'_>) -> Vec<WatchedBound> {
         let (place, setup) = (surroundings.place, scene.localizer.wall_directions());
         let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(place));
@@ -74,7 +87,18 @@ impl Device for ForwardCamera {
         let watched = |(bound, declared_deg, true_deg): (_, f64, f64)| {
             WatchedBound::throughout(bound, declared_deg.to_radians(), true_deg.to_radians(), surroundings)
         };
-        degrees.map(watched).into()
+        let uses = |name| scene.localizer.methods.contains(&name);
+        let mut all: Vec<WatchedBound> = degrees.map(watched).into();
+        if !uses(MethodName::WallDirections) {
+            all.clear();
+        }
+        // Where a scanner is used as well, the places of walls are watched with it.
+        let is_watched_elsewhere = scene.robot.scanner.is_some() && uses(MethodName::WallRanges);
+        if uses(MethodName::WallBearings) && !is_watched_elsewhere {
+            let (declared_m, off_m) = (scene.localizer.wall_ranges().placement_tolerance_m, scene.walls_off_m(place));
+            all.push(WatchedBound::throughout(bounds::WALLS_PLACEMENT, declared_m, off_m, surroundings));
+        }
+        all
     }
 
     fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
@@ -85,6 +109,13 @@ impl Device for ForwardCamera {
 }
 
 impl ForwardCamera {
+    /// Place of the forward camera on the robot, as the localizer is given it.
+    fn place(&self) -> CameraPlace {
+        let around = |nominal_m: f64| Interval::centred(nominal_m, self.calibration.position_tolerance_m);
+        let [forward, left, height_m] = self.shared().position_m.map(around);
+        CameraPlace { position_m: [forward, left], height_m }
+    }
+
     /// The model of the forward camera that the localizer is given.
     pub(crate) fn model(&self) -> ForwardCameraModel {
         let calibration = &self.calibration;

@@ -56,7 +56,44 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
         Claim::WallPoint { bearing_rad, distance_m, within_m } => {
             wall_distance_m([*bearing_rad, *distance_m], scene, drawn, truth).is_some_and(|at_m| at_m <= *within_m)
         }
+        Claim::WallUpright { lines, posts_m } => lines.iter().any(|(ends_px, bound_px)| {
+            let shows = |post_m: &[f64; 2]| shows_post(*ends_px, *bound_px, *post_m, scene, drawn, truth);
+            posts_m.iter().any(|post_m| shows(post_m).unwrap_or(false))
+        }),
     }
+}
+
+/// Whether the image of the upright edge of a wall, which is at `post_m` on the map and where it truly stands, passes both ends of a claimed line
+/// within the claim's bound; `None` where there is no forward camera, or the lens shows no such pixel.
+fn shows_post(
+    ends_px: [[f64; 2]; 2],
+    bound_px: f64,
+    post_m: [f64; 2],
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<bool> {
+    let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.devices.forward_camera.as_ref()?);
+    let (lens, world_from_camera) = (Lens::of(camera, mount), world_from_camera(truth, mount));
+    let [x_m, y_m] = scene.wall_stands_m(post_m, &drawn.place);
+    let eye = world_from_camera * Point3::origin();
+    let to_post = Vector3::new(x_m - eye.x, y_m - eye.y, 0.0);
+    let plane = Vector3::z().cross(&to_post);
+    let [[u0, v0], [u1, v1]] = ends_px;
+    let length_px = (u1 - u0).hypot(v1 - v0);
+    let across_px = [-(v1 - v0) / length_px * bound_px, (u1 - u0) / length_px * bound_px];
+    let ray = |[u, v]: [f64; 2], side: f64| {
+        let [x, y] = lens.ray([u + side * across_px[0], v + side * across_px[1]])?;
+        Some(world_from_camera.rotation * Vector3::new(x, y, 1.0))
+    };
+    for end_px in ends_px {
+        let [one, other] = [ray(end_px, -1.0)?, ray(end_px, 1.0)?];
+        // The edge is between both sides of the end, and before the camera.
+        if plane.dot(&one) * plane.dot(&other) > 0.0 || to_post.dot(&(one + other)) <= 0.0 {
+            return Some(false);
+        }
+    }
+    Some(true)
 }
 
 /// The true floor joint along which the claimed points lie, by its family and index: all but the share `share_wrong` of them are within their own

@@ -229,6 +229,7 @@ fn claims(image: &ImageRecord) -> impl Iterator<Item = (MarkerId, &[SeenDot])> {
         Claim::FloorJoint { .. }
         | Claim::WallLine { .. }
         | Claim::UprightLine { .. }
+        | Claim::WallUpright { .. }
         | Claim::Landmark { .. }
         | Claim::WallPoint { .. } => None,
     })

@@ -101,8 +101,10 @@ pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opt
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
         let (Counting::Readings { of, .. } | Counting::Together { of, .. }) = image.quota.counting else { return None };
         let seen = seen.entry(image.method).or_default();
-        // An image that gives no heading on its own is not among the images whose claims are counted together.
-        if image.alone_heading_rad.is_some() {
+        // An image of level edges that gives no heading on its own is not among the images whose claims are counted together. An image of upright
+        // edges of walls gives none, and is.
+        let is_of_uprights = image.claims.iter().any(|claim| matches!(claim, Claim::WallUpright { .. }));
+        if image.alone_heading_rad.is_some() || is_of_uprights {
             let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
             seen.push(HeldClaims::of(all, &image.quota, *judged));
         }

@@ -109,6 +109,7 @@ impl RangeBaselines {
                 Claim::FloorJoint { .. }
                 | Claim::WallLine { .. }
                 | Claim::UprightLine { .. }
+                | Claim::WallUpright { .. }
                 | Claim::Marker { .. }
                 | Claim::WallPoint { .. } => None,
             })

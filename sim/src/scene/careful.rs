@@ -76,7 +76,7 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
     if uses(stated, "wall_directions") {
         keys["localizer"]["wall_directions"] = json!({ "tolerance_deg": 0.3, "askew_deg": 2.0 });
     }
-    if uses(stated, "wall_ranges") {
+    if uses(stated, "wall_ranges") || uses(stated, "wall_bearings") {
         keys["localizer"]["wall_ranges"] = json!({ "placement_tolerance_m": 0.02 });
     }
     let mut robot = json!({

@@ -81,6 +81,8 @@ macro_rules! with_every_method {
             MappedLandmarks reads point_camera,
             /// Method that locates the robot by the distances of walls that a planar range scanner measures.
             WallRanges reads scanner,
+            /// Method that locates the robot by upright edges of walls, such as the ends of partitions, seen by a camera that looks ahead.
+            WallBearings reads forward_camera,
         }
     };
 }

@@ -36,6 +36,7 @@ pub(crate) mod schema;
 mod sensor;
 mod sources;
 mod things;
+mod wall_bearings;
 mod wall_directions;
 mod wall_ranges;
 
@@ -66,6 +67,7 @@ pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use sources::Sources;
 pub use things::{Furniture, Landmark, Person};
+pub use wall_bearings::WallBearingsSetup;
 pub use wall_directions::{WallDirectionsChain, WallDirectionsSetup};
 pub use wall_ranges::WallRangesSetup;
 
@@ -234,6 +236,9 @@ pub struct LocalizerSetup {
     /// Setup of the method `wall_ranges`, which locates the robot by the distances of walls: what it knows of the building's walls.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_ranges: Option<WallRangesSetup>,
+    /// Setup of the method `wall_bearings`, which locates the robot by upright edges of walls: how many sightings of them may be false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_bearings: Option<WallBearingsSetup>,
     /// Whether the localizer learns the gyroscope's bias and scale: from the turns between fixes of the heading by other sensors, and, where
     /// `bounds.rest_turn_deg` is stated, also while the robot rests.
     pub learns_gyro: bool,
@@ -257,6 +262,7 @@ impl Default for LocalizerSetup {
             wall_directions: None,
             mapped_landmarks: None,
             wall_ranges: None,
+            wall_bearings: None,
             learns_gyro: false,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
@@ -278,6 +284,11 @@ impl LocalizerSetup {
     /// Setup of the method `wall_ranges`, which locates the robot by the distances of walls: the scene's, or the default if the scene states none.
     pub fn wall_ranges(&self) -> WallRangesSetup {
         self.wall_ranges.clone().unwrap_or_default()
+    }
+
+    /// Setup of the method `wall_bearings`, which locates the robot by upright edges of walls: the scene's, or the default if the scene states none.
+    pub fn wall_bearings(&self) -> WallBearingsSetup {
+        self.wall_bearings.clone().unwrap_or_default()
     }
 }
 

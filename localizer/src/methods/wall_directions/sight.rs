@@ -46,9 +46,9 @@ type Number = Dual<N_PARAMETERS>;
 
 /// Plane through an edge and the optical centre, for a robot and a camera in their nominal posture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SightPlane {
+pub(in crate::methods) struct SightPlane {
     /// Unit normal of the plane in the robot's frame: forward, left, up.
-    pub(super) normal: Vector3<f64>,
+    pub(in crate::methods) normal: Vector3<f64>,
     /// Vectors that may be added to the normal, each times any number from −1 to 1: by both ends' bounds, the principal point along u and
     /// v, and the focal length.
     pub(super) moves: [Vector3<f64>; MOVING.len()],
@@ -64,7 +64,7 @@ impl SightPlane {
     /// normal is the product of the rays of both ends, enclosed by the mean value form over the box of s, t, c and f: the slopes at the
     /// middle move the normal, and their variation over the box goes into the remaining error of the normal. A change of the normal's
     /// length alone says nothing about the plane and is taken out.
-    pub(super) fn of(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<Self> {
+    pub(in crate::methods) fn of(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<Self> {
         let parameters = parameters(line, camera);
         let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
         let mut deviations = [Interval::ZERO; N_PARAMETERS];
@@ -113,8 +113,18 @@ impl SightPlane {
     }
 
     /// Whether the edge may be upright when robot and camera together lean by up to `tilt_rad`.
-    pub(super) fn may_be_upright(&self, tilt_rad: f64) -> bool {
+    pub(in crate::methods) fn may_be_upright(&self, tilt_rad: f64) -> bool {
         self.normal.z.abs() <= self.reach(&Vector3::z()) + tilt_rad
+    }
+
+    /// Direction of the level line in the plane, from robot forward by the nominal mount, at any lean of robot and camera; `None` when it may be any.
+    pub(in crate::methods) fn level_direction(&self, lean: Lean) -> Option<Interval> {
+        let reach = |along: &Vector3<f64>| {
+            // A turn about any level axis moves the normal by the normal's part across that axis: seen from above, by its height alone.
+            let level = self.normal.z.abs() * along.xy().norm() + self.normal.xy().norm() * along.z.abs();
+            self.reach(along) + lean.angle_rad * level + lean.rest(self)
+        };
+        Some(level_direction(&self.normal, reach)?.inflate(lean.twist_rad))
     }
 
     /// Whether an edge's plane is far enough from containing the vertical, and from being level.
@@ -196,7 +206,7 @@ fn normal(
 
 /// Vector of the camera's frame (right, down, ahead) expressed in the robot's frame: the optical axis is (cos τ, 0, sin τ) forward, left
 /// and up, image down is (sin τ, 0, −cos τ), and image right is (0, −1, 0).
-fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
+pub(in crate::methods) fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
     let (sin, cos) = tilt_up_rad.sin_cos();
     Vector3::new(part.z * cos + part.y * sin, -part.x, part.z * sin - part.y * cos)
 }
@@ -210,19 +220,12 @@ pub(super) fn azimuth(
     widest_rad: f64,
 ) -> Option<Interval> {
     let plane = SightPlane::of(line, camera).filter(SightPlane::is_slanting)?;
-    let within = |lean: Lean| {
-        let reach = |along: &Vector3<f64>| {
-            // A turn about any level axis moves the normal by the normal's part across that axis: seen from above, by its height alone.
-            let level = plane.normal.z.abs() * along.xy().norm() + plane.normal.xy().norm() * along.z.abs();
-            plane.reach(along) + lean.angle_rad * level + lean.rest(&plane)
-        };
-        Some(level_direction(&plane.normal, reach)?.inflate(lean.twist_rad) + camera.yaw_rad)
-    };
     // Calibration errors are shared by all edges, so they say nothing about whether this edge is worth a claim; only the ends' errors are
     // counted.
     let by_ends = |along: &Vector3<f64>| plane.moves[..2].iter().map(|part| part.dot(along).abs()).sum();
     level_direction(&plane.normal, by_ends).filter(|direction| direction.width() <= widest_rad)?;
-    within(Lean::of(camera.tilt_error_rad + body_tilt_rad)).filter(|direction| direction.width() <= MOST_TURNED_RAD)
+    let direction = plane.level_direction(Lean::of(camera.tilt_error_rad + body_tilt_rad))? + camera.yaw_rad;
+    (direction.width() <= MOST_TURNED_RAD).then_some(direction)
 }
 
 /// Direction, counter-clockwise from robot forward, of the level line in a plane with the given normal, to which errors within `reach` may
@@ -244,7 +247,7 @@ pub(super) fn level_direction(normal: &Vector3<f64>, reach: impl Fn(&Vector3<f64
 
 /// Bounds on the lean of robot and camera together, about any level axes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lean {
+pub(in crate::methods) struct Lean {
     /// Greatest turn of robot and camera together about a level axis.
     pub(super) angle_rad: f64,
     /// Greatest difference, for a vector of length one, between a turn by the lean and its linear approximation: |exp(iλ) − 1 − iλ| ≤ λ²/2.
@@ -255,7 +258,7 @@ pub(super) struct Lean {
 }
 
 impl Lean {
-    pub(super) fn of(angle_rad: f64) -> Self {
+    pub(in crate::methods) fn of(angle_rad: f64) -> Self {
         let bent = (Interval::point(angle_rad).sqr() * 0.5).hi();
         Lean { angle_rad, bent, twist_rad: twist_of_two_rad(angle_rad) + heading_off_rad(angle_rad) }
     }
@@ -301,7 +304,7 @@ pub fn ray(pixel: [f64; 2], camera: &ForwardCameraModel) -> Vector3<f64> {
 }
 
 /// Distance between an edge's ends.
-pub(super) fn length_px(line: &EdgeLine) -> f64 {
+pub(in crate::methods) fn length_px(line: &EdgeLine) -> f64 {
     let [[u0, v0], [u1, v1]] = line.ends_px;
     (u1 - u0).hypot(v1 - v0)
 }
@@ -315,14 +318,18 @@ pub(super) fn on_floor(line: &EdgeLine, camera: &ForwardCameraModel) -> (bool, b
 /// Whether an edge goes from below the horizon to above it, at every lean. No level line does, not even one that runs straight ahead and
 /// looks upright.
 pub(super) fn crosses_horizon(line: &EdgeLine, camera: &ForwardCameraModel, tilt_rad: f64) -> bool {
-    let elevation = |end: [f64; 2]| ideal(end, camera).map(|end| elevation(end, camera));
-    match line.ends_px.map(elevation) {
+    match line.ends_px.map(|end| elevation_of(end, camera)) {
         [Some(a), Some(b)] => a.min(b) < -tilt_rad && a.max(b) > tilt_rad,
         _ => false,
     }
 }
 
-/// Tangent of the elevation of a pixel's ray above the horizon, by nominal values.
+/// Tangent of the elevation above the horizon at which a pixel looks, by nominal values; `None` where the lens model folds back.
+pub(in crate::methods) fn elevation_of(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<f64> {
+    ideal(pixel, camera).map(|at| elevation(at, camera))
+}
+
+/// Tangent of the elevation of a ray above the horizon, by nominal values.
 fn elevation([u, v]: [f64; 2], camera: &ForwardCameraModel) -> f64 {
     let (sin, cos) = camera.tilt_up_rad.sin_cos();
     let focal_px = camera.focal_px.mid();

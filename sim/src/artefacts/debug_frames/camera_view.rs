@@ -75,6 +75,9 @@ pub(super) fn draw_seen(
                     }
                 }
                 Claim::UprightLine { ends_px, .. } => edge(canvas, *ends_px, place, stroke, colour),
+                Claim::WallUpright { lines, .. } => {
+                    lines.iter().for_each(|(ends_px, _)| edge(canvas, *ends_px, place, stroke, colour));
+                }
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, stroke, colour),
                 // Only a range reading has claims of landmarks, an image never has, so there is nothing to draw.
                 Claim::Landmark { .. } | Claim::WallPoint { .. } => {}

@@ -32,19 +32,28 @@ impl Scene {
 
     /// Greatest distance of an end of a true wall from its place on the map.
     pub(crate) fn walls_off_m(&self, drawn: &DrawnPlace) -> f64 {
-        let plan = Plan { turn_rad: drawn.walls_turn_deg.to_radians(), ..self.plan() };
         let off_m = |end_m: [f64; 2]| {
-            let [x_m, y_m] = plan.stands(end_m);
+            let [x_m, y_m] = self.wall_stands_m(end_m, drawn);
             (x_m - end_m[0]).hypot(y_m - end_m[1])
         };
         self.mapped_walls().into_iter().flat_map(|wall| wall.ends_m).map(off_m).fold(0.0, f64::max)
+    }
+
+    /// Where a point of a wall truly stands, given its place on the map.
+    pub(crate) fn wall_stands_m(&self, mapped_m: [f64; 2], drawn: &DrawnPlace) -> [f64; 2] {
+        Plan { turn_rad: drawn.walls_turn_deg.to_radians(), ..self.plan() }.stands(mapped_m)
+    }
+
+    /// Whether a method of the localizer relies on the places of walls.
+    fn relies_on_places_of_walls(&self) -> bool {
+        [MethodName::WallRanges, MethodName::WallBearings].iter().any(|name| self.localizer.methods.contains(name))
     }
 
     /// Greatest turn of all walls, about the middle of the robot's room, that the declared bounds on them allow; 0 where no method relies on walls.
     pub(crate) fn most_walls_turn_deg(&self) -> f64 {
         let methods = &self.localizer.methods;
         let by_direction_deg = self.localizer.wall_directions().tolerance_deg;
-        match (methods.contains(&MethodName::WallDirections), methods.contains(&MethodName::WallRanges)) {
+        match (methods.contains(&MethodName::WallDirections), self.relies_on_places_of_walls()) {
             (false, false) => 0.0,
             (true, false) => by_direction_deg,
             (false, true) => self.turn_by_placement_deg(),

@@ -46,6 +46,7 @@ fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
     }
     if robot.forward_camera.is_none() {
         setup.remove("wall_directions");
+        setup.remove("wall_bearings");
     }
 }
 
