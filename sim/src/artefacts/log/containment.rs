@@ -62,7 +62,7 @@ pub(super) fn compare(estimates: &[Estimate], truth: &TruePath, keys: &LoggedTru
 pub(super) fn start_outside(start: &PoseBox, truth: &TruePath, keys: &LoggedTruth) -> Option<Outside> {
     let (begun_s, pose) = (0.0, truth.at(0.0)?);
     let within = [keys.tolerance_m, keys.tolerance_m, keys.tolerance_deg.to_radians()];
-    let grown = grown(&PoseUnion::single(start.clone()), within);
+    let grown = grown(&PoseUnion::single(*start), within);
     (!grown.contains_modulo_turn(pose)).then(|| outside(begun_s, &grown.hull(), pose))
 }
 

@@ -139,7 +139,7 @@ fn a_scan_whose_least_and_greatest_range_hold_no_distance_is_dropped_and_one_wit
     assert_eq!(of([0.1, 10.0]), Ok(vec![Some(1.0), None]));
     assert_eq!(of([0.0, f64::INFINITY]), Ok(vec![Some(1.0), Some(20.0)]));
     for between_m in [[0.1, f64::NAN], [f64::NAN, 10.0], [10.0, 0.1]] {
-        let (reason, detail) = of(between_m).unwrap_err();
+        let Err((reason, detail)) = of(between_m) else { panic!("{between_m:?} is read") };
         assert_eq!(reason, "its least and greatest range hold no distance");
         assert!(detail.contains("`range_max`"), "{detail}");
     }
