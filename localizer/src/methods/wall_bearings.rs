@@ -43,7 +43,10 @@ use crate::{
     vision::forward::{self, EdgeLine, Picture},
 };
 
-use super::{wall_directions::sight::elevation_of, window::Window};
+use super::{
+    wall_directions::{BLUR_SHARE, NEW_PLACE_M, NEW_PLACE_RAD, sight::elevation_of},
+    window::Window,
+};
 
 use matches::{Atlas, ImageEdge, Sighting};
 use posts::{Post, posts};
@@ -70,13 +73,6 @@ pub const IMAGES: usize = 12;
 const FEWEST_HELD: usize = 6;
 /// Factor on the bound of an image edge's ends: an image has few upright edges, so that they are claimed with a wider bound than level ones.
 const UPRIGHT_BOUNDS: f64 = 1.5;
-/// Share of an edge's motion across itself during the exposure that is added to the bound on its ends, because other edges blur into the edge.
-const BLUR_SHARE: f64 = 0.25;
-/// Distance that the robot must have moved since the last image that is held for a new image to be used: an image from the same place shows the same
-/// edges, the wrong ones too.
-const NEW_PLACE_M: f64 = 0.03;
-/// Angle that the robot must have turned since the last image that is held for a new image to be used, if it has not moved far enough.
-const NEW_PLACE_RAD: f64 = 0.05;
 /// Greatest width in x and y, and in heading, of a box of poses for which edges are matched: from a wider one nearly all may be any.
 const WIDEST: [f64; 3] = [1.0, 1.0, 0.2];
 /// Greatest number of branches of a union for which edges are matched.

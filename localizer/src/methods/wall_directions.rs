@@ -69,7 +69,7 @@ const FEWEST_HELD: usize = 20;
 /// 0.12 px plus 3 standard deviations of the error that image noise gives the ends.
 const APART_BOUNDS: f64 = 1.2;
 /// Share of an edge's motion across itself during the exposure that is added to the bound on its ends, because other edges blur into the edge.
-const BLUR_SHARE: f64 = 0.25;
+pub(super) const BLUR_SHARE: f64 = 0.25;
 /// Greatest angle between the headings that the prior (the pose known before the image) allows and the heading that an edge implies. An edge that
 /// implies a heading farther off is taken for clutter, which runs along no wall, and no claim is made of it.
 const CLUTTER_RAD: f64 = 0.0524;
@@ -80,9 +80,9 @@ const FAR_RAD: f64 = 0.1745;
 const FEWEST_FAR: usize = 5;
 /// Distance that the robot must have moved since the last image that is held for a new image to be used: an image from the same place shows the same
 /// edges, the wrong ones too, and says nothing new.
-const NEW_PLACE_M: f64 = 0.03;
+pub(super) const NEW_PLACE_M: f64 = 0.03;
 /// Angle that the robot must have turned since the last image that is held for a new image to be used, if it has not moved far enough.
-const NEW_PLACE_RAD: f64 = 0.05;
+pub(super) const NEW_PLACE_RAD: f64 = 0.05;
 /// Least number of agreeing edges from which a new direction of the building is learnt.
 const FEWEST_TO_LEARN: usize = 5;
 /// Greatest width of the interval for a building's direction that is learnt, and least angle between it and every direction that is known.
