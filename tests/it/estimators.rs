@@ -134,6 +134,31 @@ fn a_localizer_is_chosen_by_its_name_and_named_in_what_it_leaves() {
 }
 
 #[test]
+fn a_scene_states_other_noise_for_a_filter_and_the_user_still_another() {
+    let scene = |filters: &str| Scene::parse(&blind_scene(9.0, filters), "blind.toml").unwrap();
+    let (usual, noisier) = (scene(""), scene("[filters.ekf]\nmotion = 3.0\n[filters.particles]\nmotion = 3.0\n"));
+    for name in ["ekf", "particles"] {
+        let width_m = |scene: &Scene, subject: &str| {
+            let verdict = judged(scene, subject, 1).1;
+            verdict.distribution.unwrap().region_3_sigma.x_m.mean_by_third[2]
+        };
+        let [by_default, of_scene] = [&usual, &noisier].map(|scene| width_m(scene, name));
+        assert!(of_scene > 1.2 * by_default, "{name}: {of_scene} m beside {by_default} m");
+        assert_eq!(width_m(&usual, &format!("{name},motion=3")), of_scene, "{name}");
+        assert_eq!(width_m(&noisier, &format!("{name},motion=1")), by_default, "{name}");
+        assert_eq!(
+            width_m(&noisier, &format!("{name},cues=2")),
+            of_scene,
+            "{name}: no cue, so that its noise is without effect"
+        );
+    }
+    let Err(error) = Scene::parse(&blind_scene(9.0, "[filters.ekf]\nmotion = 0.0\n"), "blind.toml") else {
+        panic!("a factor of 0 was accepted")
+    };
+    assert!(error.to_string().contains("filters.ekf.motion"), "{error}");
+}
+
+#[test]
 fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
     let folder = folder_of("subjects_beside", &[("blind.toml", &blind_scene(2.0, ""))]);
     for name in ["intervals", "ekf", "particles"] {

@@ -202,6 +202,16 @@ fn a_mistyped_name_is_not_taken_for_a_command() {
     let (code, said, run) = tested(&folder, "interval", &[]);
     assert!(code == 2 && said.contains("no such localizer") && said.contains("intervals"), "{said}");
     assert!(!run.exists());
+    for (subject, expected) in [
+        ("ekf,", "expected motion=FACTOR or cues=FACTOR"),
+        ("ekf,motion=0", "a number above 0"),
+        ("ekf,noise=2", "expected motion=FACTOR or cues=FACTOR"),
+        ("particles,motion=2,cues=1,motion=3", "`motion` is stated twice"),
+        ("intervals,motion=2", "boxes have no standard deviations"),
+    ] {
+        let (code, said, run) = tested(&folder, subject, &[]);
+        assert!(code == 2 && said.contains(expected) && !run.exists(), "{subject}: {said}");
+    }
     let (code, said, _) = tested(&folder, "./x", &["--subject-timeout-s", "0"]);
     assert!(code == 2 && said.contains("seconds from 0.001"), "{said}");
 }

@@ -17,6 +17,7 @@ mod error;
 mod events;
 mod expect;
 mod extend;
+mod filters;
 mod floor;
 mod lamps;
 mod landmark_map;
@@ -50,6 +51,7 @@ pub use error::SceneError;
 pub use events::{Event, Side, Stuck};
 pub use expect::Expect;
 pub(crate) use extend::text_of;
+pub use filters::{FilterNoise, Filters};
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use keys_page::keys_markdown;
 pub use lamps::{Lamp, LampKind, MAX_LAMPS, Spectrum};
@@ -142,6 +144,9 @@ pub struct Scene {
     /// Setup of the localizer: its methods, and when its estimate counts as available.
     #[serde(default)]
     pub localizer: LocalizerSetup,
+    /// Noise settings of the built-in filters, `--subject ekf` and `--subject particles`.
+    #[serde(default, skip_serializing_if = "Filters::is_usual")]
+    pub filters: Filters,
     /// How a log that another program recorded is read, for `wherein replay --robot`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub log: Option<Log>,

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 
 use localizer::{Pose, PoseBox, Reading, RobotModel};
 
-use crate::scene::Scene;
+use crate::scene::{FilterNoise, Scene};
 
 use super::{
     Answer, GaussianPose, Subject,
@@ -25,27 +25,12 @@ use belief::Belief;
 use layout::Layout;
 use measuring::{Known, measure};
 
-/// Factors on the filter's standard deviations; 1 for those that follow from the declared bounds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tuning {
-    /// Factor for all errors of the motion sensors: their noise, their slip, and the errors of their constants.
-    pub motion: f64,
-    /// Factor for the noise of all other measurements; the errors of mounts, scale and floor plan, which last, are not multiplied.
-    pub cues: f64,
-}
-
-impl Default for Tuning {
-    fn default() -> Self {
-        Tuning { motion: 1.0, cues: 1.0 }
-    }
-}
-
 /// The extended Kalman filter as the subject of a run.
 pub struct ExtendedKalmanFilter {
     cues: Cues,
     robot: RobotModel,
     layout: Layout,
-    tuning: Tuning,
+    tuning: FilterNoise,
     name: String,
     history: VecDeque<Happened>,
     /// Measurements whose stamps are later than that of the latest step.
@@ -69,7 +54,7 @@ const KEPT_S: f64 = 1.0;
 
 impl ExtendedKalmanFilter {
     /// The filter for a scene, with the map, robot and bounds that it states; `name` is what results call it.
-    pub fn of(scene: &Scene, tuning: Tuning, name: String) -> ExtendedKalmanFilter {
+    pub fn of(scene: &Scene, tuning: FilterNoise, name: String) -> ExtendedKalmanFilter {
         let (map, robot) = (scene.map(), scene.robot_model());
         let cues = Cues::new(scene, &map, &robot);
         let layout = Layout::new(&robot, &cues, &tuning);

@@ -12,6 +12,7 @@ mod registry;
 mod stated;
 mod stepped;
 mod told;
+mod tuning;
 
 use interval::Interval;
 use localizer::{
@@ -25,7 +26,7 @@ use localizer::{
 use crate::scene::Scene;
 
 pub use cues::{Compared, Cue, CueReader};
-pub use extended_kalman_filter::{ExtendedKalmanFilter, Tuning};
+pub use extended_kalman_filter::ExtendedKalmanFilter;
 pub use failure::{Failure, GivenReading};
 pub use foreign_answer::{ForeignAnswer, newest_stamp, turned_to};
 pub use interval_localizer::IntervalLocalizer;
@@ -35,6 +36,7 @@ pub use registry::{Added, SubjectChoice, USUAL_LIMIT, add_subject, subject};
 pub(crate) use stated::half_turn;
 pub use stated::{SHARES, Spread, Stated, chi_squared};
 pub use stepped::{Step, Stepped, Steps, stepped};
+pub use tuning::Tuning;
 
 /// A localizer under test. It learns about the world through its readings alone. What it may know beforehand, a map and the robot's nominal
 /// dimensions, it takes from [`Scene::map`] and [`Scene::robot_model`] when it is created.

@@ -19,10 +19,13 @@ use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::{scene::Scene, truth::randomness::stream};
+use crate::{
+    scene::{FilterNoise, Scene},
+    truth::randomness::stream,
+};
 
 use super::{
-    Answer, Subject, Tuning, WeightedPose,
+    Answer, Subject, WeightedPose,
     cues::{Cues, Mounted, SIGMAS_OF_BOUND, Seen, Step, Told, turned},
 };
 
@@ -34,7 +37,7 @@ use odometry::{Odometry, Reckoned, Way};
 pub struct ParticleFilter {
     cues: Cues,
     robot: RobotModel,
-    tuning: Tuning,
+    tuning: FilterNoise,
     name: String,
     area_m2: f64,
     constants: Constants,
@@ -58,11 +61,13 @@ const LONGEST_WAY_S: f64 = 0.5;
 
 impl ParticleFilter {
     /// The filter for a scene, with the map, robot and bounds that it states; `name` is what results call it.
-    pub fn of(scene: &Scene, tuning: Tuning, name: String) -> ParticleFilter {
+    pub fn of(scene: &Scene, tuning: FilterNoise, name: String) -> ParticleFilter {
         let (map, robot) = (scene.map(), scene.robot_model());
         let cues = Cues::new(scene, &map, &robot);
         let constants = Constants {
-            bias_rad_per_s: robot.gyro.map_or(0.0, |gyro| SIGMAS_OF_BOUND * 0.5 * gyro.bias_rad_per_s.width()),
+            bias_rad_per_s: robot
+                .gyro
+                .map_or(0.0, |gyro| tuning.motion * SIGMAS_OF_BOUND * 0.5 * gyro.bias_rad_per_s.width()),
             mounts: Mounted::ALL.map(|mounted| cues.mount(mounted).map_or([0.0; 3], |mount| mount.sigma)),
         };
         let mut filter = ParticleFilter {

@@ -10,7 +10,7 @@ use std::{
 use crate::scene::Scene;
 
 use super::{
-    ExtendedKalmanFilter, ForeignProcess, IntervalLocalizer, ParticleFilter, Subject, extended_kalman_filter::Tuning,
+    ExtendedKalmanFilter, ForeignProcess, IntervalLocalizer, ParticleFilter, Subject, Tuning,
     interruptible::Interruptible,
 };
 
@@ -102,9 +102,11 @@ pub fn subject(choice: &SubjectChoice, scene: &Scene) -> Box<dyn Subject> {
     match choice {
         SubjectChoice::Intervals => IntervalLocalizer::boxed(scene),
         SubjectChoice::ExtendedKalmanFilter(tuning) => {
-            Box::new(ExtendedKalmanFilter::of(scene, *tuning, choice.to_string()))
+            Box::new(ExtendedKalmanFilter::of(scene, tuning.over(scene.filters.ekf), choice.to_string()))
         }
-        SubjectChoice::ParticleFilter(tuning) => Box::new(ParticleFilter::of(scene, *tuning, choice.to_string())),
+        SubjectChoice::ParticleFilter(tuning) => {
+            Box::new(ParticleFilter::of(scene, tuning.over(scene.filters.particles), choice.to_string()))
+        }
         SubjectChoice::Added(added) => (added.create)(scene),
         SubjectChoice::Command { command, limit } => Box::new(ForeignProcess::start(command, *limit, scene)),
     }
@@ -154,11 +156,13 @@ impl FromStr for SubjectChoice {
         if let Some(added) = added(text) {
             return Ok(SubjectChoice::Added(added));
         }
-        let (name, factors) = text.split_once(',').map_or((text, ""), |(name, factors)| (name, factors));
+        let (name, factors) = text.split_once(',').map_or((text, None), |(name, factors)| (name, Some(factors)));
+        let tuning = || factors.map_or(Ok(Tuning::default()), str::parse);
         match name {
-            "ekf" => Ok(SubjectChoice::ExtendedKalmanFilter(factors.parse()?)),
-            "particles" => Ok(SubjectChoice::ParticleFilter(factors.parse()?)),
-            "intervals" if factors.is_empty() => Ok(SubjectChoice::Intervals),
+            "ekf" => Ok(SubjectChoice::ExtendedKalmanFilter(tuning()?)),
+            "particles" => Ok(SubjectChoice::ParticleFilter(tuning()?)),
+            "intervals" if factors.is_none() => Ok(SubjectChoice::Intervals),
+            "intervals" => Err("expected no factors: boxes have no standard deviations".to_owned()),
             _ => {
                 let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
                 let names: Vec<&str> = NAMES.into_iter().chain(added.iter().map(|added| added.name.as_str())).collect();
@@ -168,34 +172,5 @@ impl FromStr for SubjectChoice {
                 ))
             }
         }
-    }
-}
-
-impl fmt::Display for Tuning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (name, factor) in [("motion", self.motion), ("cues", self.cues)] {
-            if factor != 1.0 {
-                write!(f, ",{name}={factor}")?;
-            }
-        }
-        Ok(())
-    }
-}
-
-impl FromStr for Tuning {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Tuning, String> {
-        let mut tuning = Tuning::default();
-        for part in text.split(',').filter(|part| !part.is_empty()) {
-            let (name, factor) = part.split_once('=').unwrap_or((part, ""));
-            let factor = factor.parse().ok().filter(|factor: &f64| *factor > 0.0 && factor.is_finite());
-            match (name, factor) {
-                ("motion", Some(factor)) => tuning.motion = factor,
-                ("cues", Some(factor)) => tuning.cues = factor,
-                _ => return Err(format!("`{part}`: expected motion=FACTOR or cues=FACTOR, with a number above 0")),
-            }
-        }
-        Ok(tuning)
     }
 }

@@ -7,13 +7,15 @@
 use localizer::{Pose, PoseBox, RobotModel};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2xX, Matrix3, Matrix3xX, Vector2};
 
-use crate::subject::{
-    chi_squared,
-    cues::{LASTS_M, SIGMAS_OF_BOUND, Step, turned},
+use crate::{
+    scene::FilterNoise,
+    subject::{
+        chi_squared,
+        cues::{LASTS_M, SIGMAS_OF_BOUND, Step, turned},
+    },
 };
 
 use super::{
-    Tuning,
     layout::{Layout, POSE},
     moved::Moved,
 };
@@ -89,7 +91,7 @@ impl Belief {
     }
 
     /// Carries the belief on by a step of the robot.
-    pub(crate) fn step(&mut self, step: &Step, layout: &Layout, robot: &RobotModel, tuning: &Tuning) {
+    pub(crate) fn step(&mut self, step: &Step, layout: &Layout, robot: &RobotModel, tuning: &FilterNoise) {
         let moved = Moved::of(step, &self.mean, layout, robot, tuning);
         let n = self.mean.len();
         let middle_rad = self.mean[2] + 0.5 * moved.turn_rad;
@@ -145,7 +147,7 @@ impl Belief {
 
     /// Compares the way since the remembered pose with what the wheels measured of it: the turn where the gyroscope carried the state on, and the
     /// travel where the flow sensor did.
-    fn compare_wheels(&mut self, layout: &Layout, robot: &RobotModel, tuning: &Tuning) {
+    fn compare_wheels(&mut self, layout: &Layout, robot: &RobotModel, tuning: &FilterNoise) {
         let Some(past) = layout.past else { return };
         let (window, wheels) = (&self.window, &robot.wheels);
         let track_m = wheels.track_m.mid();

@@ -3,9 +3,10 @@
 use localizer::{PoseBox, RobotModel};
 use nalgebra::{DMatrix, DVector};
 
-use crate::subject::cues::{Cues, FloorPlan, Mounted, SIGMAS_OF_BOUND};
-
-use super::Tuning;
+use crate::{
+    scene::FilterNoise,
+    subject::cues::{Cues, FloorPlan, Mounted, SIGMAS_OF_BOUND},
+};
 
 /// Places of the quantities in the state; `None` for those of devices that the robot does not have.
 #[derive(Clone, Debug)]
@@ -41,7 +42,7 @@ pub(crate) const POSE: usize = 0;
 const LEAST_SIGMA: f64 = 1e-5;
 
 impl Layout {
-    pub(crate) fn new(robot: &RobotModel, cues: &Cues, tuning: &Tuning) -> Layout {
+    pub(crate) fn new(robot: &RobotModel, cues: &Cues, tuning: &FilterNoise) -> Layout {
         let (mut sigma, mut mean) = (vec![0.0; 3], vec![0.0; 3]);
         let mut add = |quantities: &[(f64, f64)]| {
             let at = sigma.len();

@@ -3,13 +3,15 @@
 use localizer::map::TileGrid;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3};
 
-use crate::subject::{
-    cues::{Edge, FloorPlan, Joint, Landmark, Line, Mounted, Seen, heading_of, turned},
-    half_turn,
+use crate::{
+    scene::FilterNoise,
+    subject::{
+        cues::{Edge, FloorPlan, Joint, Landmark, Line, Mounted, Seen, heading_of, turned},
+        half_turn,
+    },
 };
 
 use super::{
-    Tuning,
     belief::{Belief, Row, Thing},
     layout::Layout,
 };
@@ -20,7 +22,7 @@ pub(crate) struct Known<'a> {
     pub(crate) tiles: Option<&'a TileGrid>,
     pub(crate) wall_directions_rad: &'a [f64],
     pub(crate) floor_plan: Option<&'a FloorPlan>,
-    pub(crate) tuning: &'a Tuning,
+    pub(crate) tuning: &'a FilterNoise,
 }
 
 /// Standard deviations of a predicted place of a joint, or wall, that half the distance to the next one must hold for the nearest one to be taken for

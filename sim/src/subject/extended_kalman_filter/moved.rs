@@ -3,9 +3,12 @@
 use localizer::RobotModel;
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use crate::subject::cues::{SIGMAS_OF_BOUND, Step, turned};
+use crate::{
+    scene::FilterNoise,
+    subject::cues::{SIGMAS_OF_BOUND, Step, turned},
+};
 
-use super::{Tuning, layout::Layout};
+use super::layout::Layout;
 
 /// What a step of the robot does to its pose: travel and turn in its own frame, their derivatives by the constants in the state, and their noise.
 pub(crate) struct Moved {
@@ -17,7 +20,13 @@ pub(crate) struct Moved {
 
 impl Moved {
     /// What the step does where `mean` is the mean of the filter's state.
-    pub(crate) fn of(step: &Step, mean: &DVector<f64>, layout: &Layout, robot: &RobotModel, tuning: &Tuning) -> Moved {
+    pub(crate) fn of(
+        step: &Step,
+        mean: &DVector<f64>,
+        layout: &Layout,
+        robot: &RobotModel,
+        tuning: &FilterNoise,
+    ) -> Moved {
         let wheels = &robot.wheels;
         let [left, right, track] = layout.wheels;
         let [left_slip, right_slip, side_slip] = layout.slip;

@@ -13,7 +13,7 @@ pub(super) fn yard() -> Scene {
 }
 
 pub(super) fn filter(scene: &Scene) -> ExtendedKalmanFilter {
-    ExtendedKalmanFilter::of(scene, Tuning::default(), "ekf".to_owned())
+    ExtendedKalmanFilter::of(scene, FilterNoise::default(), "ekf".to_owned())
 }
 
 fn position(measured_s: f64, arrived_s: f64) -> Reading {
@@ -104,7 +104,7 @@ fn counts_of_the_flow_sensor_err_by_one_rounding_a_window_and_more_where_the_rob
     let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
     let filter = filter(&scene);
     let flow = filter.robot.flow.unwrap();
-    let (window_s, tuning) = (filter.robot.wheels.slip_window_s, Tuning::default());
+    let (window_s, tuning) = (filter.robot.wheels.slip_window_s, FilterNoise::default());
     let variance_m2 = |span_s: f64, flowed_m: f64| {
         let step =
             Step { stamp_s: 1.0, span_s, rolled_m: [flowed_m; 2], turned: None, flowed_m: Some([flowed_m, 0.0]) };

@@ -4,15 +4,15 @@ use std::{array, collections::VecDeque};
 
 use localizer::RobotModel;
 
-use crate::subject::{
-    Tuning,
-    cues::{LASTS_M, Mounted, SIGMAS_OF_BOUND, Step, turned},
+use crate::{
+    scene::FilterNoise,
+    subject::cues::{LASTS_M, Mounted, SIGMAS_OF_BOUND, Step, turned},
 };
 
 /// Dead reckoning over the last moments.
 pub(crate) struct Odometry {
     robot: RobotModel,
-    tuning: Tuning,
+    tuning: FilterNoise,
     way: VecDeque<Reckoned>,
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct Errors {
 const KEPT_S: f64 = 1.5;
 
 impl Odometry {
-    pub(crate) fn new(robot: &RobotModel, tuning: Tuning) -> Odometry {
+    pub(crate) fn new(robot: &RobotModel, tuning: FilterNoise) -> Odometry {
         Odometry { robot: robot.clone(), tuning, way: VecDeque::from([Reckoned::default()]) }
     }
 

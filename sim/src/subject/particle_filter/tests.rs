@@ -119,7 +119,7 @@ fn filter() -> ParticleFilter {
                 [robot]\nfloor_camera = false\n[robot.gnss]\nforward_m = 0.0\nleft_m = 0.0\nheight_m = 0.6\n\
                 [localizer]\nmethods = [\"gnss_positions\"]\n[[route.waypoint]]\nx_m = 4.0\ny_m = 2.0\n";
     let scene = Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
-    ParticleFilter::of(&scene, Tuning::default(), "pf".to_owned())
+    ParticleFilter::of(&scene, FilterNoise::default(), "pf".to_owned())
 }
 
 fn position(x_m: f64, y_m: f64, sigma_m: f64) -> Seen {
@@ -280,7 +280,7 @@ fn the_number_of_samples_is_that_of_kld_sampling() {
 fn scans_draw_the_samples_to_where_they_were_made_and_not_closer_than_walls_may_be_off() {
     let (scene, pose) = (room(""), [2.03, 1.48, 0.01]);
     let (lines, _) = lines_of(&scene, &scan(pose, SIDES, 0.0, 0.0));
-    let mut filter = ParticleFilter::of(&scene, Tuning::default(), "pf".to_owned());
+    let mut filter = ParticleFilter::of(&scene, FilterNoise::default(), "pf".to_owned());
     // As many scans as are used on a way of a metre.
     (0..33).for_each(|_| filter.weigh(0.0, Mounted::Scanner, &Seen::Lines(lines.clone())));
     let mean = mean_at(&filter, 0.0);

@@ -13,7 +13,7 @@ use super::{
 };
 
 fn known<'a>(layout: &'a Layout, tiles: Option<&'a TileGrid>) -> Known<'a> {
-    Known { layout, tiles, wall_directions_rad: &[], floor_plan: None, tuning: &Tuning { motion: 1.0, cues: 1.0 } }
+    Known { layout, tiles, wall_directions_rad: &[], floor_plan: None, tuning: &FilterNoise { motion: 1.0, cues: 1.0 } }
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn scanned(times: usize, pose: [f64; 3], sides: [[f64; 2]; 2], box_m: f64, known
         (0..3).for_each(|axis| belief.covariance[(axis, axis)] = known_m * known_m);
     }
     let (lines, plan) = lines_of(&scene, &scan(pose, sides, box_m, 0.0));
-    let tuning = Tuning::default();
+    let tuning = FilterNoise::default();
     let known =
         Known { layout: &layout, tiles: None, wall_directions_rad: &[], floor_plan: Some(&plan), tuning: &tuning };
     for _ in 0..times {
