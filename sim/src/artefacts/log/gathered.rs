@@ -337,7 +337,8 @@ fn scan_of(scan: messages::LaserScan, sweep_s: f64, scanner: &Scanner) -> Result
     let allowed_s = scanner.stamp_tolerance_s;
     if 0.5 * sweep_s.abs() > allowed_s {
         let detail = format!(
-            "its beams are measured over {sweep_s:.4} s, where `robot.scanner.stamp_tolerance_s` is {allowed_s}, expected half of that time at least"
+            "its beams are measured over {:.4} s, where `robot.scanner.stamp_tolerance_s` is {allowed_s}, expected half of that time at least",
+            sweep_s.abs()
         );
         return Err(("its beams are measured over a longer time than declared", detail));
     }

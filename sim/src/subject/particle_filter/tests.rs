@@ -309,5 +309,29 @@ fn a_line_before_a_wall_is_as_likely_from_anywhere() {
         let [there, beside] = [pose, [2.02, 1.52, 0.0]].map(&likelihood);
         assert_eq!(is_wall, there > furniture + 1.0, "{there} {furniture}");
         assert!(if is_wall { there > beside + 0.1 } else { (there - beside).abs() < 1e-4 }, "{there} {beside}");
+        assert!(is_wall || (there - furniture).abs() < 0.01, "{there} {furniture}");
+    }
+}
+
+#[test]
+fn a_wall_is_as_likely_as_its_own_place_and_the_plans_allow_that_last_for_a_metre() {
+    let (pose, scene) = ([2.0, 1.5, 0.0], room(""));
+    let (lines, plan) = lines_of(&scene, &scan(pose, SIDES, 0.0, 0.0));
+    let known = Known { tiles: None, wall_directions_rad: &[], floor_plan: Some(&plan), area_m2: 24.0, scale: 1.0 };
+    // The wall at x = 0, 4 m long, which is seen as a whole: half-way along it, its two ends have half of their variance in common. Place and turn of
+    // the wall and of the plan, whose farthest corner is 3.6 m from its middle, are a third of 12 mm off, and a metre has 33 scans.
+    let line = lines.iter().find(|line| line.middle_m[0] < -1.9).unwrap();
+    let placed_m2 = 33.3 * 0.004_f64.powi(2);
+    let place_m = (1.5 * placed_m2 + line.sigma[1].powi(2)).sqrt();
+    let turn_rad = (placed_m2 * (2.0 / 4.0_f64.powi(2) + 1.0 / (3.0_f64.powi(2) + 2.0_f64.powi(2)))
+        + line.sigma[0].powi(2))
+    .sqrt();
+    let seen = Seen::Lines(vec![*line]);
+    let likelihood = likelihood(&seen, &known, 0.0).unwrap();
+    for off_m in [0.0, 0.02, 0.05] {
+        let off = -0.5 * (off_m / place_m).powi(2);
+        let expected = (0.5 * off.exp() / (2.0 * PI * place_m * turn_rad) + 0.5 / (5.0 * PI)).ln();
+        let found = likelihood([pose[0] + off_m, pose[1], pose[2]]);
+        assert!((found - expected).abs() < 0.03, "{off_m} m: {found}, expected {expected}");
     }
 }
