@@ -184,6 +184,28 @@ fn scans_of_a_room_narrow_the_boxes_whatever_stands_in_it() {
 }
 
 #[test]
+fn a_scanner_that_measures_less_exactly_than_declared_is_named() {
+    // The script's distances are off by up to 10 mm, evenly. True poses are known to 1 mm and 0.05°.
+    let range = |tolerance_m: f64| {
+        let declared = format!("tolerance_m = {tolerance_m}\nposition_tolerance_m = 0.0\nangle_tolerance_deg = 0.0");
+        let exact = [
+            ("tolerance_m = 0.011", declared.as_str()),
+            ("[log]", "[localizer.wall_ranges]\nplacement_tolerance_m = 0.0\n[log]"),
+        ];
+        let replay = replayed(&robot("scans.toml", &exact), "scans").unwrap();
+        let bounds = replay.summary["bounds"].as_array().unwrap();
+        bounds.iter().find(|one| one["bound"] == "scanner.range").unwrap().clone()
+    };
+    for (tolerance_m, is_exceeded) in [(0.011, false), (0.004, true)] {
+        let range = range(tolerance_m);
+        println!("{range}");
+        assert!(range["compared"].as_u64().unwrap() > 500, "{range}");
+        assert_eq!(range["exceeded"].as_u64().unwrap() > 10, is_exceeded, "{range}");
+        assert!((0.004..0.0101).contains(&range["at_least"].as_f64().unwrap()), "{range}");
+    }
+}
+
+#[test]
 fn filters_are_told_the_walls_of_logged_scans_and_what_their_distributions_are_worth() {
     let by = |subject: &str, changes: &[(&str, &str)]| {
         let choice: SubjectChoice = subject.parse().unwrap();

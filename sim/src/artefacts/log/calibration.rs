@@ -321,7 +321,7 @@ fn least_bounds(
 ) -> Vec<FoundBound> {
     let mut motion = Motion::of(&log.gathered, log.zero_ns, calibrated, log.keys);
     motion.excesses.extend(aside_s.iter().map(|span_s| SlipExcess { span_s: *span_s, slip_m: 0.0, side_slip_m: 0.0 }));
-    let all = tightness(calibrated, &motion, &log.positions, truth, keys);
+    let all = tightness(calibrated, &motion, [&log.positions, &log.scans], truth, keys);
     // Where odometry stands for the wheels, its law states their slip, and the keys of the slip have no effect.
     let has_wheels = log.gathered.odometry.is_empty();
     let told = BOUND_KEYS.iter().filter(|(_, key, _)| has_wheels || !key.starts_with("bounds."));

@@ -81,7 +81,7 @@ impl LogReplay {
         let compared =
             told.log.truth.as_ref().zip(truth_keys).map(|(truth, keys)| compare(&told.played.estimates, truth, keys));
         let tight = told.log.truth.as_ref().zip(truth_keys).map_or_else(Vec::new, |(truth, keys)| {
-            tightness(&told.log.told, &told.log.motion, &told.log.positions, truth, keys)
+            tightness(&told.log.told, &told.log.motion, [&told.log.positions, &told.log.scans], truth, keys)
         });
         let mut summary = summary(told, &name, compared.as_ref(), &tight);
         let mut failed = failures(told, compared.as_ref(), &tight);

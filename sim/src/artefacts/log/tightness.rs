@@ -1,5 +1,7 @@
 //! Where declared bounds were too tight: quantities of a log that its true poses tell, compared with their declared bounds.
 
+mod scanner;
+
 use localizer::{
     Reading,
     bounds::{self, Assumption},
@@ -78,15 +80,16 @@ struct Comparison<'a> {
     within_rad: f64,
 }
 
-/// Compares the bounds that true poses tell something about. `told` is the robot as the localizer was told it, `positions` are readings of satellite
-/// navigation in the order of their stamps.
+/// Compares the bounds that true poses tell something about. `told` is the robot as the localizer was told it, `others` are the positions
+/// of satellite navigation and the scans.
 pub(super) fn tightness(
     told: &Scene,
     motion: &Motion,
-    positions: &[Reading],
+    others: [&[Reading]; 2],
     truth: &TruePath,
     keys: &LoggedTruth,
 ) -> Vec<Tightness> {
+    let [positions, scans] = others;
     let (within_m, within_rad) = (keys.tolerance_m, keys.tolerance_deg.to_radians());
     let comparison = Comparison {
         told,
@@ -107,6 +110,7 @@ pub(super) fn tightness(
     all.extend(comparison.reach(&wheels));
     all.extend(comparison.gyro(readings));
     all.extend(comparison.satellites(positions));
+    all.extend(comparison.scans(scans));
     all.retain(|one| one.compared > 0);
     all
 }
