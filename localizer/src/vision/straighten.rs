@@ -11,6 +11,8 @@ mod grid;
 #[allow(clippy::expect_used)]
 mod tests;
 
+use std::ops::Range;
+
 use image::GrayImage;
 
 use super::{FloorLines, distortion};
@@ -48,8 +50,16 @@ pub(crate) struct Straightening {
     raw_size_px: [u32; 2],
     /// Number of pixels of the pinhole's image that are left out at the left and at the right, and at the top and at the bottom.
     inset_px: [u32; 2],
-    /// Source of each pixel of the straightened image, row-major, `height × width`.
-    sources: Vec<Source>,
+    sources: Sources,
+}
+
+/// Where the pixels of the straightened image are taken from.
+#[derive(Clone, Debug)]
+enum Sources {
+    /// Source of each pixel, row-major, `height × width`, for a lens whose images are all straightened alike.
+    Kept(Vec<Source>),
+    /// Positions in the raw image on a grid of nodes, for one image of a rolling shutter: the motion is another one in each image.
+    Between(Grid),
 }
 
 /// Source of a pixel of the straightened image: a position between four raw pixels.
@@ -69,6 +79,20 @@ const LEAST_SLOPE: f64 = 0.2;
 /// the correction would stretch the image by as much.
 const MOST_ROW_MOTION_PX: f64 = 0.1;
 
+/// Distance from the edges of the raw image within which a place between nodes is looked at by itself.
+const SURELY_PX: f64 = 0.5;
+
+/// A position in pixels, in 256ths of a pixel.
+fn rounded(at_px: f64) -> u32 {
+    (256.0 * at_px.max(0.0) + 0.5) as u32
+}
+
+/// A position in 2⁻³² pixels, in 256ths of a pixel.
+#[inline]
+fn rounded_parts(at: i64) -> u32 {
+    ((at + (1 << 23)) >> 24).max(0) as u32
+}
+
 impl Straightening {
     /// Prepares the straightening of images of a given size behind a lens with coefficients k1, k2, p1, p2, k3. `rows` is the image motion from the
     /// exposure of one row to that of the next. `None` where nothing needs to be straightened.
@@ -78,28 +102,34 @@ impl Straightening {
             return None;
         }
         let inset_px = raw_size_px.map(|size| size / 2);
-        let mut lens = Straightening { distortion, focal_px, rows, raw_size_px, inset_px, sources: Vec::new() };
+        let mut lens =
+            Straightening { distortion, focal_px, rows, raw_size_px, inset_px, sources: Sources::Kept(Vec::new()) };
         if raw_size_px.iter().any(|&size| size < 2) {
             return Some(lens);
         }
         if rows == RowMotion::default() {
             let whole = Straightening { inset_px: [0, 0], ..lens.clone() };
-            lens.inset_px = lens.inset(whole.pixels().filter(|&pixel| !lens.is_shown(&lens.node(pixel))));
-            lens.sources = lens.pixels().map(|pixel| lens.source(&lens.node(pixel))).collect();
+            lens.inset_px = lens.inset(whole.pixels().filter(|&pixel| !lens.is_shown(&lens.node(pixel), 0.0)));
+            lens.sources =
+                Sources::Kept(lens.pixels().map(|pixel| lens.source(lens.node(pixel).raw_px.map(rounded))).collect());
         } else {
-            // The motion is another one in each image, so that this has to be quick.
             let grid = Grid::new(raw_size_px, |pixel| lens.node(pixel));
-            lens.inset_px = lens.inset(grid.without_source(|node| lens.is_shown(node)).into_iter());
-            let [columns, rows] = [0, 1].map(|axis| lens.inset_px[axis]..raw_size_px[axis] - lens.inset_px[axis]);
-            let nodes = rows.flat_map(|v| grid.row(v, columns.clone()));
-            lens.sources = nodes.map(|node| lens.source(&node)).collect();
+            lens.inset_px = lens.inset(
+                grid.without_source(|node| lens.is_shown(node, 0.0), |node| lens.is_shown(node, SURELY_PX)).into_iter(),
+            );
+            lens.sources = Sources::Between(grid);
         }
         Some(lens)
     }
 
+    /// Columns and rows of the pinhole's image that are not cut off.
+    fn kept_px(&self) -> [Range<u32>; 2] {
+        [0, 1].map(|axis| self.inset_px[axis]..self.raw_size_px[axis] - self.inset_px[axis])
+    }
+
     /// Pixels of the straightened image, row by row, in coordinates of the pinhole's image.
     fn pixels(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
-        let [columns, rows] = [0, 1].map(|axis| self.inset_px[axis]..self.raw_size_px[axis] - self.inset_px[axis]);
+        let [columns, rows] = self.kept_px();
         rows.flat_map(move |v| columns.clone().map(move |u| [f64::from(u), f64::from(v)]))
     }
 
@@ -124,16 +154,18 @@ impl Straightening {
         Node { raw_px: self.raw_px(pinhole_px), least_slope }
     }
 
-    /// Whether the raw image contains the place that a pixel is taken from, and the lens does not fold (show two points at one place) there.
-    fn is_shown(&self, Node { raw_px, least_slope }: &Node) -> bool {
-        let is_in = |axis: usize| (0.0..=f64::from(self.raw_size_px[axis] - 1)).contains(&raw_px[axis]);
-        *least_slope > LEAST_SLOPE && is_in(0) && is_in(1)
+    /// Whether the raw image contains the place that a pixel is taken from, at least `inside_px` from its edges, and the lens does not fold (show two
+    /// points at one place) there, or anywhere so near.
+    fn is_shown(&self, Node { raw_px, least_slope }: &Node, inside_px: f64) -> bool {
+        let is_in =
+            |axis: usize| (inside_px..=f64::from(self.raw_size_px[axis] - 1) - inside_px).contains(&raw_px[axis]);
+        *least_slope > LEAST_SLOPE + 0.1 * inside_px && is_in(0) && is_in(1)
     }
 
-    fn source(&self, Node { raw_px, .. }: &Node) -> Source {
-        // Rounded to 256ths of a pixel. A source position on the last raw pixel of a row or column has no neighbour beyond it; it is interpolated from
-        // the pixel before with full weight on the last one.
-        let rounded = raw_px.map(|at| (256.0 * at.max(0.0) + 0.5) as u32);
+    /// The source at a position in the raw image in 256ths of a pixel. A position on the last raw pixel of a row or column has no neighbour beyond it;
+    /// it is interpolated from the pixel before with full weight on the last one.
+    #[inline]
+    fn source(&self, rounded: [u32; 2]) -> Source {
         let first = [0, 1].map(|axis| (rounded[axis] / 256).min(self.raw_size_px[axis] - 2));
         let towards = [0, 1].map(|axis| (rounded[axis] - 256 * first[axis]).min(256) as u16);
         Source { corner: first[1] * self.raw_size_px[0] + first[0], towards }
@@ -145,15 +177,27 @@ impl Straightening {
             return GrayImage::default();
         }
         let (pixels, stride) = (raw.as_raw(), self.raw_size_px[0] as usize);
-        let grey = |source: &Source| {
+        let grey = |source: Source| {
             let corner = source.corner as usize;
             let [right, down] = source.towards.map(u32::from);
             let along = |first: usize| u32::from(pixels[first]) * (256 - right) + u32::from(pixels[first + 1]) * right;
             let sum = along(corner) * (256 - down) + along(corner + stride) * down;
             ((sum + (1 << 15)) >> 16) as u8
         };
-        let [width, height] = [0, 1].map(|axis| self.raw_size_px[axis] - 2 * self.inset_px[axis]);
-        GrayImage::from_raw(width, height, self.sources.iter().map(grey).collect()).unwrap_or_default()
+        let [columns, rows] = self.kept_px();
+        let greys = match &self.sources {
+            Sources::Kept(sources) => sources.iter().map(|source| grey(*source)).collect(),
+            Sources::Between(grid) => {
+                let mut greys = Vec::with_capacity(columns.len() * rows.len());
+                let mut parts = vec![[0; 2]; columns.len()];
+                for v in rows.clone() {
+                    grid.places(v, columns.start, &mut parts);
+                    greys.extend(parts.iter().map(|parts| grey(self.source(parts.map(rounded_parts)))));
+                }
+                greys
+            }
+        };
+        GrayImage::from_raw(columns.len() as u32, rows.len() as u32, greys).unwrap_or_default()
     }
 
     /// Where the pinhole's image shows an object at the time at which the object's row of the raw image is exposed, if it shows the object at

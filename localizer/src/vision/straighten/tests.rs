@@ -58,7 +58,7 @@ fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
     // 0.9041; the last pixel before that is kept.
     let kept = [0, 1].map(|axis| 1.0 - f64::from(inset[axis]) / [320.5, 240.5][axis]);
     assert!(kept.iter().all(|kept| (kept - 0.9041).abs() < 0.01), "{kept:?}");
-    assert!(lens.pixels().all(|pixel| lens.is_shown(&lens.node(pixel))));
+    assert!(lens.pixels().all(|pixel| lens.is_shown(&lens.node(pixel), 0.0)));
     let point = FloorLines {
         lines: vec![crate::vision::FloorLine { points_px: vec![[1.0, 2.0, 0.3]], share_wrong: 0.0, family: 0 }],
         rejected_px: vec![[0.0, 0.0, 5.0, 6.0]],
@@ -99,6 +99,23 @@ fn a_place_is_where_the_motion_has_brought_it_by_the_time_of_its_row() {
     }
 }
 
+/// What the pixels of a picture of a rolling shutter are taken from.
+fn sources(moving: &Straightening) -> Vec<Source> {
+    let Sources::Between(grid) = &moving.sources else { panic!("a picture that moves") };
+    let ([columns, rows], mut sources) = (moving.kept_px(), Vec::new());
+    for v in rows {
+        let mut seen = vec![[0; 2]; columns.len()];
+        grid.places(v, columns.start, &mut seen);
+        for (u, parts) in columns.clone().zip(&seen) {
+            let raw_px = grid.node([u, v]).raw_px;
+            let off = [0, 1].map(|axis| (parts[axis] as f64 / 2.0_f64.powi(32) - raw_px[axis]).abs());
+            assert!(off[0].max(off[1]) < 1e-6, "column {u} of row {v}: {off:?}");
+        }
+        sources.extend(seen.into_iter().map(|parts| moving.source(parts.map(rounded_parts))));
+    }
+    sources
+}
+
 #[test]
 fn a_moving_picture_is_taken_from_where_each_pixel_is_worked_out_to_be() {
     let lenses = [[0.0; 5], [-0.2, 0.0, 0.0, 0.0, 0.0], [0.12, 0.0, 0.001, -0.001, 0.0], [-0.6, 0.0, 0.0, 0.0, 0.0]];
@@ -109,21 +126,22 @@ fn a_moving_picture_is_taken_from_where_each_pixel_is_worked_out_to_be() {
             Straightening::new(SIZE_PX, 400.0, distortion, rows).unwrap_or_else(|| panic!("a picture that moves"));
         assert_eq!(moving.rows, rows, "so little motion is corrected");
         let (mut farthest_px, mut n_outside) = (0.0_f64, 0);
-        for (pixel, source) in moving.pixels().zip(&moving.sources) {
+        let sources = sources(&moving);
+        for (pixel, source) in moving.pixels().zip(&sources) {
             let exact = moving.node(pixel);
             let corner = [source.corner % SIZE_PX[0], source.corner / SIZE_PX[0]];
             let told = [0, 1].map(|axis| f64::from(corner[axis]) + f64::from(source.towards[axis]) / 256.0);
             let off_px = (0..2).map(|axis| (told[axis] - exact.raw_px[axis]).abs()).fold(0.0, f64::max);
             farthest_px = farthest_px.max(off_px);
-            n_outside += usize::from(!moving.is_shown(&exact));
+            n_outside += usize::from(!moving.is_shown(&exact, 0.0));
         }
         // Half a 256th of rounding, and twice the error that is allowed at the middles of some cells.
         assert!(farthest_px < 2.5 / 256.0, "{distortion:?} {rows:?}: {farthest_px} px");
-        assert_eq!(moving.sources.len(), moving.pixels().count());
+        assert_eq!(sources.len(), moving.pixels().count());
         assert!(n_outside < 20, "{distortion:?} {rows:?}: {n_outside} pixels that the raw picture does not show");
         // What is cut off is what a pixel by pixel search cuts off, but for a pixel at the edge.
         let whole = Straightening { inset_px: [0, 0], ..moving.clone() };
-        let exact = moving.inset(whole.pixels().filter(|&pixel| !moving.is_shown(&moving.node(pixel))));
+        let exact = moving.inset(whole.pixels().filter(|&pixel| !moving.is_shown(&moving.node(pixel), 0.0)));
         assert!((0..2).all(|axis| moving.inset_px[axis].abs_diff(exact[axis]) <= 1), "{:?} {exact:?}", moving.inset_px);
     }
 }
