@@ -215,6 +215,8 @@ pub struct CeilingCameraModel {
     pub stamp_error_s: f64,
     /// Least number of photoelectrons in one step of grey level of the ceiling camera; it determines the noise of bright pixels.
     pub electrons_per_grey: f64,
+    /// Time from the start of one row's exposure to the start of the next row's; 0 for a global shutter. The stamp is that of the middle row.
+    pub row_time_s: f64,
     /// Greatest number of markers in one ceiling image that may differ from the map, `ceiling_markers.q_items`.
     pub q_items: usize,
 }

@@ -2,7 +2,7 @@
 
 use interval::Interval;
 use localizer::{
-    Map, PoseBox, PoseUnion, RobotModel,
+    Constraint, Map, PoseBox, PoseUnion, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{Coding, GridPlace, MarkerId},
     methods::ceiling_markers::CeilingMarkers,
@@ -48,6 +48,7 @@ fn camera() -> CeilingCameraModel {
         tilt_rad: TILT_RAD,
         stamp_error_s: 0.0,
         electrons_per_grey: 40.0,
+        row_time_s: 0.0,
         q_items: 0,
     }
 }
@@ -83,10 +84,32 @@ struct Situation {
     camera: CeilingCameraModel,
     /// Centre, angle and height of each marker as pasted.
     pasted: Vec<([f64; 2], f64, f64)>,
+    /// Pose at the exposure of the row that the stamp belongs to.
+    at_exposure: [f64; 3],
+    /// The camera as seen from the pose.
     world_from_camera: Isometry3<f64>,
+    /// The same with the body's lean at the rows that are exposed after the stamp.
+    leant_later: Isometry3<f64>,
+    /// Speed ahead and to the left, and turn rate, which stay the same while the rows are exposed.
+    twist: [f64; 3],
+    /// How exactly the motion is known; `None` where it is not.
+    known_within: Option<f64>,
     focal_px: [f64; 2],
     centre_px: [f64; 2],
     body_tilt_rad: f64,
+}
+
+/// Motion of a robot with a steady twist after a time, seen from where it was.
+fn moved_by([ahead, left, turn]: [f64; 3], after_s: f64) -> [f64; 3] {
+    let (rad, half) = (turn * after_s, 0.5 * turn * after_s);
+    // The chord of the arc.
+    let chord = if half.abs() > 1e-12 { half.sin() / half } else { 1.0 };
+    let [x, y] = [ahead, left].map(|speed| speed * after_s * chord);
+    [x * half.cos() - y * half.sin(), x * half.sin() + y * half.cos(), rad]
+}
+
+fn planar([x, y, turn]: [f64; 3]) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::new(x, y, 0.0), UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn))
 }
 
 impl Situation {
@@ -152,24 +175,58 @@ impl Situation {
         let body_from_camera =
             Isometry3::from_parts(Translation3::new(place[0], place[1], place[2]), yaw * posture * upwards);
         // The body is turned about the vertical so that its forward axis, seen from above, has the pose's heading, as with roll, pitch and yaw.
-        let lean_of_body = tilt(rng, body_tilt_rad);
-        let forward = lean_of_body * Vector3::x();
-        let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), at_exposure[2] - forward.y.atan2(forward.x));
-        let world_from_body = Isometry3::from_parts(
-            Translation3::new(at_exposure[0], at_exposure[1], HEAVE_M * corner(rng)),
-            heading * lean_of_body,
-        );
+        let mut world_from_body = || {
+            let lean_of_body = tilt(rng, body_tilt_rad);
+            let forward = lean_of_body * Vector3::x();
+            let heading =
+                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), at_exposure[2] - forward.y.atan2(forward.x));
+            let place = Translation3::new(at_exposure[0], at_exposure[1], HEAVE_M * corner(rng));
+            Isometry3::from_parts(place, heading * lean_of_body)
+        };
+        let (world_from_body, later) = (world_from_body(), world_from_body());
+        let twist = [0.7 * corner(rng), 0.0, 1.6 * corner(rng)];
+        let known_within = [Some(0.0), Some(0.001), None][rng.random_range(0..3)];
         let (focal_px, centre_px) = (
             [0, 1].map(|axis| drawn(rng, camera.focal_px[axis])),
             [0, 1].map(|axis| drawn(rng, camera.centre_px[axis])),
         );
-        let world_from_camera = world_from_body * body_from_camera;
-        Situation { pose, map, camera, pasted, world_from_camera, focal_px, centre_px, body_tilt_rad }
+        // A planar motion is one about the place and the heading at the exposure.
+        let level = planar(at_exposure).inverse();
+        let [world_from_camera, leant_later] = [world_from_body, later].map(|body| level * body * body_from_camera);
+        Situation {
+            pose,
+            at_exposure,
+            map,
+            camera,
+            pasted,
+            world_from_camera,
+            leant_later,
+            twist,
+            known_within,
+            focal_px,
+            centre_px,
+            body_tilt_rad,
+        }
     }
 
-    /// Image of a point by the pinhole model and Brown's lens model.
+    /// Image of a point by the pinhole model and Brown's lens model, at the time at which its row is exposed.
     fn project(&self, point: Point3<f64>) -> [f64; 2] {
-        let seen = self.world_from_camera.inverse_transform_point(&point);
+        let middle_row = 0.5 * (f64::from(self.camera.height_px) - 1.0);
+        let mut at = [0.0, middle_row];
+        // The picture moves by much less than a row from row to row.
+        let is_later = self.seen_after(point, 0.0, false)[1] > middle_row;
+        for _ in 0..if self.camera.row_time_s > 0.0 { 12 } else { 1 } {
+            at = self.seen_after(point, (at[1] - middle_row) * self.camera.row_time_s, is_later);
+        }
+        at
+    }
+
+    /// Image of a point at a time after the stamp. `is_later` says which of the two leans the body has then, where the shutter is a rolling one.
+    fn seen_after(&self, point: Point3<f64>, after_s: f64, is_later: bool) -> [f64; 2] {
+        let pose = planar(self.at_exposure) * planar(moved_by(self.twist, after_s));
+        let is_later = is_later && self.camera.row_time_s > 0.0;
+        let camera = pose * if is_later { self.leant_later } else { self.world_from_camera };
+        let seen = camera.inverse_transform_point(&point);
         let (x, y) = (seen.x / seen.z, seen.y / seen.z);
         let ([k1, k2, p1, p2, k3], r2) = (self.camera.distortion, x * x + y * y);
         let radial = 1.0 + k1 * r2 + k2 * r2 * r2 + k3 * r2 * r2 * r2;
@@ -226,9 +283,18 @@ impl Situation {
             .expect("a ceiling camera and markers")
     }
 
+    fn constraint(&self, seen: Seen) -> Option<Constraint> {
+        let motion = |from_s: f64, to_s: f64| {
+            let (within, truth) = (self.known_within?, moved_by(self.twist, to_s - from_s));
+            // The motion is at a corner of what is known of it.
+            Some(PoseBox::new(truth.map(|value| Interval::centred(value + within, within))))
+        };
+        self.method().constraint(0.0, seen, &motion)
+    }
+
     /// The poses of a prior box that are left once the constraint from the seen markers has been applied.
     fn located(&self, seen: Seen, prior: &PoseBox) -> PoseUnion {
-        let constraint = self.method().constraint(0.0, seen).expect("markers on the map");
+        let constraint = self.constraint(seen).expect("markers on the map");
         PoseUnion { branches: constraint.on_pose.branches(prior) }
     }
 
@@ -245,7 +311,7 @@ impl Situation {
 }
 
 /// A camera of random kind: each of the following is present or absent at random: a lean by up to 10° that is declared to within 0.05°, lens
-/// distortion, an error of the images' time stamps, a turned mount.
+/// distortion, an error of the images' time stamps, a rolling shutter while the robot moves, a turned mount.
 fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
     let mut camera = camera();
     if rng.random::<bool>() {
@@ -259,6 +325,9 @@ fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
     }
     if rng.random::<bool>() {
         camera.stamp_error_s = 0.001;
+    }
+    if rng.random::<bool>() {
+        camera.row_time_s = 5e-5;
     }
     if rng.random::<bool>() {
         camera.yaw_rad = Interval::centred(rng.random_range(-3.0..3.0), TILT_RAD);
@@ -295,7 +364,7 @@ fn no_tilt_of_body_and_mount_loses_the_pose_however_great() {
             let seen = situation.seen(&mut rng, 0.1);
             let prior = situation.prior(&mut rng, 1.0, 0.3);
             // If the declared tilts allow the ray through a dot to be level, the dot gives no information.
-            let Some(constraint) = situation.method().constraint(0.0, seen) else { continue };
+            let Some(constraint) = situation.constraint(seen) else { continue };
             let union = PoseUnion { branches: constraint.on_pose.branches(&prior) };
             assert!(situation.holds(&union), "{body_deg} and {mount_deg} deg, round {round}: not in {union:?}");
             n_told += 1;
@@ -318,7 +387,7 @@ fn behind_a_bent_lens_no_error_of_its_optics_loses_the_pose() {
         let situation = Situation::new(&mut rng, lens, 2);
         let seen = situation.seen(&mut rng, 0.03);
         let prior = situation.prior(&mut rng, 0.5, 0.3);
-        let Some(constraint) = situation.method().constraint(0.0, seen) else { continue };
+        let Some(constraint) = situation.constraint(seen) else { continue };
         let union = PoseUnion { branches: constraint.on_pose.branches(&prior) };
         assert!(situation.holds(&union), "round {round}: {:?} not in {union:?}", situation.pose);
     }
@@ -374,7 +443,7 @@ fn one_marker_alone_says_nothing_when_one_may_be_wrong() {
     let mut rng = ChaCha8Rng::seed_from_u64(54);
     let situation = Situation::new(&mut rng, CeilingCameraModel { q_items: 1, ..camera() }, 1);
     let seen = situation.seen(&mut rng, 0.05);
-    assert!(situation.method().constraint(0.0, seen).is_none());
+    assert!(situation.constraint(seen).is_none());
 }
 
 #[test]
@@ -392,13 +461,13 @@ fn a_stranger_is_ignored_and_doubles_are_both_refused() {
 
     let mut doubled = seen.clone();
     doubled.markers.push(doubled.markers[0].clone());
-    let constraint = situation.method().constraint(0.0, doubled).expect("marker 1 is left");
+    let constraint = situation.constraint(doubled).expect("marker 1 is left");
     assert_eq!(constraint.on_pose.branches(&prior), expected.branches);
     assert_eq!((constraint.claims.len(), constraint.rejected_px.len()), (1, 2));
 
     let strangers =
         Seen { markers: vec![SeenMarker { id: MarkerId(0xFFF), ..seen.markers[0].clone() }], rejected_px: Vec::new() };
-    assert!(situation.method().constraint(0.0, strangers).is_none());
+    assert!(situation.constraint(strangers).is_none());
 }
 
 #[test]

@@ -57,6 +57,22 @@ fn a_drive_under_markers_keeps_the_truth_and_says_only_what_is_so() {
 }
 
 #[test]
+fn markers_are_read_truly_behind_a_rolling_shutter() {
+    // Reading a picture out takes 24 ms, in which the robot drives by up to 12 mm and turns: far more than the bounds on dots and calibration allow.
+    let mut rolling = scene("");
+    rolling.robot.errors = Distribution::Corner;
+    rolling.robot.ceiling_camera.as_mut().unwrap().lens.row_time_s = 8e-5;
+    for seed in [3, 4] {
+        let (_, verdict) = judged(&rolling, seed);
+        let containment = verdict.containment.as_ref().unwrap();
+        assert_eq!(containment.contained, containment.checks, "{containment:?}");
+        let counts = &verdict.methods["ceiling_markers"];
+        assert!(counts.claims > 12 && counts.false_claims == 0, "{counts:?}");
+        assert!(verdict.metrics["markers_misread"] == 0.0 && verdict.metrics["markers_read_share"] > 0.9);
+    }
+}
+
+#[test]
 fn overexposed_dots_are_claimed_truly_with_every_error_at_a_corner() {
     // By the fixed exposure of this scene most of its dots are clipped at white.
     let mut scene = scene("");

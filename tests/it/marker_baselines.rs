@@ -27,6 +27,7 @@ fn camera() -> CeilingCameraModel {
         tilt_rad: 0.0,
         stamp_error_s: 0.0,
         electrons_per_grey: 40.0,
+        row_time_s: 0.0,
         q_items: 0,
     }
 }

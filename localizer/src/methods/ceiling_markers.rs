@@ -12,6 +12,7 @@ pub mod paper;
 mod pose_contractor;
 mod ray;
 mod relate;
+mod rows;
 #[cfg(test)]
 #[allow(clippy::expect_used)]
 mod trial;
@@ -25,7 +26,7 @@ use crate::{
     bounds::Assumption,
     map::{MarkerMap, PlacedMarker},
     markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
-    method::{Claim, Constraint, Context, Method},
+    method::{Claim, Constraint, Context, Method, MotionBetween},
     motion::Twist,
     quota::Quota,
     reading::Camera,
@@ -37,6 +38,7 @@ use super::lean::{heading_off_rad, twist_of_tipped_rad};
 use pose_contractor::Markers;
 use ray::{Optics, SeenDot};
 use relate::Dots;
+use rows::Rows;
 
 /// Declared bounds that a constraint from ceiling markers relies on.
 pub const RELIES_ON: [Assumption; 16] = [
@@ -110,8 +112,10 @@ impl CeilingMarkers {
         self.view.greatest_upright_radius_px() >= LEAST_RADIUS_PX
     }
 
-    /// Constraint on the pose from the markers found in an image with the stamp `stamp_s`; `None` when none of the markers is on the map.
-    pub fn constraint(&self, stamp_s: f64, found: Seen) -> Option<Constraint> {
+    /// Constraint on the pose from the markers found in an image with the stamp `stamp_s`; `None` when none of the markers is on the map. `motion` is
+    /// how the robot moved meanwhile, which counts where the camera has a rolling shutter.
+    pub fn constraint(&self, stamp_s: f64, found: Seen, motion: MotionBetween) -> Option<Constraint> {
+        let rows = Rows::of(&self.camera, &self.robot, stamp_s, motion);
         let Seen { markers, mut rejected_px } = found;
         let (mut dots, mut claims) = (Vec::new(), Vec::new());
         let mut related = Dots::new(&self.robot, self.map.placement_m, self.camera.stamp_error_s);
@@ -123,7 +127,8 @@ impl CeilingMarkers {
                 .map(|(place, dot)| {
                     let pixel = [dot.centre_px[0], dot.centre_px[1], dot.bound_px];
                     let sight = self.optics.sight(pixel, placed.height_m)?;
-                    Some(SeenDot { sight, in_world_m: self.dot_in_world_m(placed, *place) })
+                    let dot = SeenDot { sight, in_world_m: self.dot_in_world_m(placed, *place) };
+                    Some(rows.as_ref().map_or(dot, |rows| rows.at_stamp(&dot, pixel)))
                 })
                 .collect();
             if let Some(sights) = sights {
@@ -251,6 +256,6 @@ impl Method for CeilingMarkers {
             found.rejected_px.extend(is_set_aside.then_some([u, v, u, v]));
             !is_set_aside
         });
-        self.constraint(reading.measured_s(), found)
+        self.constraint(reading.measured_s(), found, context.motion)
     }
 }

@@ -114,6 +114,7 @@ impl CeilingCamera {
             tilt_rad: angle_rad,
             stamp_error_s: self.stamp_tolerance_s,
             electrons_per_grey: sensor.bits.levels_per_byte_level() / gain,
+            row_time_s: self.lens.row_time_s,
             q_items: self.q_items,
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use interval::Interval;
-use localizer::{Claim, Pose, map::Wall, reading::LandmarkId};
+use localizer::{Claim, map::Wall, reading::LandmarkId};
 use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;
@@ -215,23 +215,9 @@ fn slopes(look: &dyn Fn(f64, f64) -> Option<Point2<f64>>) -> Option<[[f64; 2]; 2
 /// Point on the floor that a pixel of the floor camera sees when its row is exposed; `None` if the pixel's ray does not meet the floor.
 fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnCamera) -> Option<Point2<f64>> {
     let [x, y] = lens.ray([u_px, v_px])?;
-    let after_middle_s = (v_px - 0.5 * f64::from(lens.size_px[1] - 1)) * lens.row_time_s;
-    let world_from_camera = world_from_camera(&moved_on(truth, after_middle_s), mount);
+    let world_from_camera = world_from_camera(&truth.moved_on(lens.after_stamp_s(v_px)), mount);
     let direction = world_from_camera * Vector3::new(x, y, 1.0);
     let origin = world_from_camera * Point3::origin();
     let place = origin - direction * (origin.z / direction.z);
     (direction.z < 0.0).then(|| place.xy())
-}
-
-/// The true state with its pose moved on by a short time, forwards or backwards, at constant velocity.
-fn moved_on(truth: &Truth, time_s: f64) -> Truth {
-    let [forward_m_per_s, left_m_per_s, turn_rad_per_s] = truth.velocity;
-    // During a short time the robot is taken to move in the direction that it has halfway through that time.
-    let (sin, cos) = (truth.pose.heading_rad + 0.5 * turn_rad_per_s * time_s).sin_cos();
-    let pose = Pose {
-        x_m: truth.pose.x_m + time_s * (cos * forward_m_per_s - sin * left_m_per_s),
-        y_m: truth.pose.y_m + time_s * (sin * forward_m_per_s + cos * left_m_per_s),
-        heading_rad: truth.pose.heading_rad + turn_rad_per_s * time_s,
-    };
-    Truth { pose, ..*truth }
 }

@@ -10,7 +10,7 @@ use localizer::{
 use nalgebra::Point3;
 
 use crate::{
-    devices::camera::world_from_camera,
+    devices::camera::{DrawnCamera, world_from_camera},
     optics::Lens,
     place::{
         drawn::{DrawnMarker, markers::DOT_RADIUS_M},
@@ -31,24 +31,40 @@ type SeenDot = (GridPlace, [f64; 3]);
 /// are more than twice as far apart.
 const SAME_DOT_PX: f64 = 4.0;
 
-/// The ceiling camera with its true mount and lens, at the true pose of one instant.
+/// The ceiling camera with its true mount and lens, and the true state at the stamp of an image.
 pub(super) struct Sight {
     lens: Lens,
+    mount: DrawnCamera,
+    truth: Truth,
     camera_from_world: nalgebra::Isometry3<f64>,
 }
+
+/// Number of times that the row in which a point is seen is worked out from the time at which it is exposed: the picture moves by much less than a
+/// row from one row to the next.
+const ROUNDS: usize = 5;
 
 impl Sight {
     /// The true ceiling camera; `None` when the robot has none.
     pub(super) fn new(scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<Sight> {
         let (camera, mount) = (scene.robot.ceiling_camera.as_ref()?, drawn.devices.ceiling_camera.as_ref()?);
         let camera_from_world = world_from_camera(truth, mount).inverse();
-        Some(Sight { lens: Lens::of(camera, mount), camera_from_world })
+        Some(Sight { lens: Lens::of(camera, mount), mount: *mount, truth: *truth, camera_from_world })
     }
 
-    /// Pixel at which a point in the world is seen; `None` for a point behind the camera.
+    /// Pixel at which a point in the world is seen when its row is exposed; `None` for a point behind the camera.
     fn pixel(&self, in_world: &Point3<f64>) -> Option<[f64; 2]> {
-        let at = self.camera_from_world * in_world;
-        (at.z > 0.0).then(|| self.lens.pixel([at.x / at.z, at.y / at.z]))
+        let seen_from = |camera_from_world: &nalgebra::Isometry3<f64>| {
+            let at = camera_from_world * in_world;
+            (at.z > 0.0).then(|| self.lens.pixel([at.x / at.z, at.y / at.z]))
+        };
+        let mut at = seen_from(&self.camera_from_world)?;
+        if self.lens.row_time_s > 0.0 {
+            for _ in 0..ROUNDS {
+                let truth = self.truth.moved_on(self.lens.after_stamp_s(at[1]));
+                at = seen_from(&world_from_camera(&truth, &self.mount).inverse())?;
+            }
+        }
+        Some(at)
     }
 
     /// Whether all dots belong to the marker: each lies within `within_px` of the true dot, along u and along v, where `within_px` is

@@ -42,6 +42,11 @@ impl Lens {
         }
     }
 
+    /// Time after the stamp of an image, which is that of its middle row, at which a row is exposed; negative above the middle row.
+    pub fn after_stamp_s(&self, v_px: f64) -> f64 {
+        (v_px - 0.5 * f64::from(self.size_px[1] - 1)) * self.row_time_s
+    }
+
     /// Time from the start of the first row's exposure to the start of the last row's.
     pub fn readout_s(&self) -> f64 {
         self.row_time_s * f64::from(self.size_px[1] - 1)

@@ -44,6 +44,19 @@ impl Truth {
         )
     }
 
+    /// The state with its pose moved on by a short time, forwards or backwards, at constant velocity.
+    pub fn moved_on(&self, after_s: f64) -> Truth {
+        let [forward_m_per_s, left_m_per_s, turn_rad_per_s] = self.velocity;
+        // During a short time the robot is taken to move in the direction that it has halfway through that time.
+        let (sin, cos) = (self.pose.heading_rad + 0.5 * turn_rad_per_s * after_s).sin_cos();
+        let pose = Pose {
+            x_m: self.pose.x_m + after_s * (cos * forward_m_per_s - sin * left_m_per_s),
+            y_m: self.pose.y_m + after_s * (sin * forward_m_per_s + cos * left_m_per_s),
+            heading_rad: self.pose.heading_rad + turn_rad_per_s * after_s,
+        };
+        Truth { pose, ..*self }
+    }
+
     /// The state at `time_s` by linear interpolation between this state and a later one.
     pub fn interpolated(&self, later: &Truth, time_s: f64) -> Truth {
         let span_s = later.time_s - self.time_s;

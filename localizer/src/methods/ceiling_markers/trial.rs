@@ -68,6 +68,7 @@ pub(super) fn bench() -> RobotModel {
             tilt_rad: TILT_RAD,
             stamp_error_s: 0.0,
             electrons_per_grey: ELECTRONS / 128.0,
+            row_time_s: 0.0,
             q_items: 0,
         }),
         range_camera: None,

@@ -157,7 +157,7 @@ fn forward_camera_model(camera: ForwardCameraModel) -> Value {
 fn ceiling_camera_model(camera: CeilingCameraModel) -> Value {
     object!(camera: CeilingCameraModel {
         width_px, height_px, focal_px, centre_px, distortion, distortion_px, height_m, position_m, yaw_rad,
-        lean_rad, tilt_rad, stamp_error_s, electrons_per_grey, q_items
+        lean_rad, tilt_rad, stamp_error_s, electrons_per_grey, row_time_s, q_items
     })
 }
 
