@@ -17,6 +17,16 @@ pub struct Descriptor {
 }
 
 impl Descriptor {
+    /// The comparisons as the bits of some numbers.
+    pub(super) fn words(&self) -> &[u64; BITS / 64] {
+        &self.bits
+    }
+
+    /// The descriptor with these bits.
+    pub(super) fn of_words(bits: [u64; BITS / 64]) -> Descriptor {
+        Descriptor { bits }
+    }
+
     /// Number of comparisons that differ, from 0 to 256.
     pub fn hamming_distance(&self, other: &Descriptor) -> u32 {
         self.bits.iter().zip(&other.bits).map(|(one, other)| (one ^ other).count_ones()).sum()

@@ -1,6 +1,13 @@
 //! Landmarks: surface points that can be found again by how their surroundings look.
 
-use super::{descriptor::Descriptor, patch::Patch, search::Refusal, search::Sighting};
+use super::{
+    descriptor::{BITS, Descriptor},
+    patch::Patch,
+    search::{Refusal, Sighting},
+};
+
+/// Length of a landmark as bytes: three numbers, two descriptors, and the grey levels of the patch.
+const N_BYTES: usize = 3 * 8 + 2 * (BITS / 8) + Patch::N_LEVELS;
 
 /// A surface point that an image showed, with all that is needed to find it in other images.
 ///
@@ -20,6 +27,31 @@ impl Landmark {
     /// Position `[u, v]` in the image that the landmark was created from, in pixels.
     pub fn position_px(&self) -> [f64; 2] {
         self.position_px
+    }
+
+    /// The landmark as bytes, all of one length, for a file: position and direction, both descriptors, and the grey levels of the patch.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let numbers = [self.position_px[0], self.position_px[1], self.direction_rad].map(f64::to_le_bytes);
+        let mut bytes = numbers.concat();
+        for descriptor in [&self.upright, &self.turned] {
+            descriptor.words().iter().for_each(|word| bytes.extend(word.to_le_bytes()));
+        }
+        bytes.extend(self.patch.levels());
+        bytes
+    }
+
+    /// The landmark that bytes encode; `None` where they are of another length or their numbers are not finite.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Landmark> {
+        if bytes.len() != N_BYTES {
+            return None;
+        }
+        let word = |index: usize| bytes[8 * index..][..8].try_into().map(u64::from_le_bytes).unwrap_or_default();
+        let [u, v, direction_rad] = [0, 1, 2].map(|index| f64::from_bits(word(index)));
+        let descriptor = |first: usize| Descriptor::of_words(std::array::from_fn(|index| word(first + index)));
+        let (upright, turned) = (descriptor(3), descriptor(3 + BITS / 64));
+        let patch = Patch::of_levels(&bytes[N_BYTES - Patch::N_LEVELS..]);
+        let is_finite = [u, v, direction_rad].iter().all(|number| number.abs() < 1e6);
+        is_finite.then_some(Landmark { position_px: [u, v], upright, direction_rad, turned, patch })
     }
 
     /// Position of the landmark relative to the patch's middle pixel.

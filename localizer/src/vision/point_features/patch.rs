@@ -31,6 +31,19 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// Number of grey levels of a patch.
+    pub(super) const N_LEVELS: usize = SIDE_PX * SIDE_PX;
+
+    /// Grey levels, row-major.
+    pub(super) fn levels(&self) -> &[u8] {
+        &self.levels
+    }
+
+    /// The patch with these grey levels, [`Patch::N_LEVELS`] of them.
+    pub(super) fn of_levels(levels: &[u8]) -> Patch {
+        Patch { levels: levels.to_vec() }
+    }
+
     /// The surroundings of the pixel nearest to a point; `None` near the border or where too many pixels are clipped.
     pub(super) fn cut(image: &GrayImage, at_px: [f64; 2]) -> Option<Patch> {
         let size_px = [image.width() as usize, image.height() as usize];

@@ -5,7 +5,7 @@ use interval::Interval;
 
 use super::synthetic::{Eye, KINDS, Kind, Texture};
 use super::trial::{Prior, Tally, found_elsewhere, pairs, seed};
-use super::{Frame, ImageBounds, Record, Refusal, Search, Sighting};
+use super::{Frame, ImageBounds, Landmark, Record, Refusal, Search, Sighting};
 use crate::vision::synthetic::Random;
 
 const SIZE_PX: [usize; 2] = [256, 192];
@@ -266,6 +266,20 @@ fn a_clipped_image_makes_no_landmarks() {
     let mut frame = Frame::new(&clipped, &BOUNDS);
     assert!(frame.keypoints().len() > 50);
     assert_eq!(frame.landmarks(20), Vec::new());
+}
+
+#[test]
+fn a_landmark_comes_back_from_its_bytes_and_other_bytes_are_refused() {
+    let picture = Eye::straight(SIZE_PX).picture(Texture { kind: Kind::Poster, seed: 2 }, &mut Random::new(4));
+    let landmarks = Frame::new(&picture, &BOUNDS).landmarks(20);
+    assert_eq!(landmarks.len(), 20);
+    for landmark in landmarks {
+        let bytes = landmark.to_bytes();
+        assert_eq!(Landmark::from_bytes(&bytes), Some(landmark));
+        assert_eq!(Landmark::from_bytes(&bytes[1..]), None);
+        assert_eq!(Landmark::from_bytes(&[&[255; 24], &bytes[24..]].concat()), None);
+    }
+    assert_eq!(Landmark::from_bytes(&[]), None);
 }
 
 #[test]
