@@ -15,6 +15,7 @@ use crate::{
     motion::{Motion, Twist},
     quota::Quota,
     reading::LandmarkId,
+    vision::point_features::Landmark,
 };
 
 /// A localization method for one cue, such as floor joints or ceiling markers: it evaluates each reading of its sensor once and returns a constraint
@@ -116,6 +117,11 @@ pub trait Memory {
 
     /// Landmarks in space that are known, from a map or learnt, in the order of their numbers.
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        Vec::new()
+    }
+
+    /// How the landmarks in space look that are known by their looks, in the order of their numbers.
+    fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
         Vec::new()
     }
 }
@@ -228,6 +234,18 @@ pub enum Claim {
         distance_m: f64,
         /// Greatest distance of the measured point from the nearest mapped wall.
         within_m: f64,
+    },
+    /// A claim that a point in space was seen: the true image of some point of the given box is at the given place of the image, within the bound along
+    /// u and along v.
+    SpacePoint {
+        /// The landmark that is claimed to be seen.
+        landmark: LandmarkId,
+        /// Box of the landmark's place in the world.
+        point: SpacePoint,
+        /// Column u and row v in the image as taken, which the lens bends.
+        at_px: [f64; 2],
+        /// Greatest error of the image point along u and along v.
+        half_width_px: [f64; 2],
     },
     /// A claim that an upright edge of a mapped wall was seen: at least one of the given image lines is, within its bound, the image of at least one
     /// of the given edges of the map, where that truly stands.

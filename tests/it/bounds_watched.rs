@@ -40,6 +40,7 @@ fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
         named("tiles.toml", 0.5, |scene| scene.robot.delivery.stamp_tolerance_s = 0.0005),
         named("dark/carpet.toml", 1.0, |_| {}),
         named("landmarks/teach.toml", 1.0, |_| {}),
+        named("landmarks/room_teach.toml", 3.0, |_| {}),
         named("gnss.toml", 2.0, |scene| {
             let outage = &mut scene.robot.gnss.as_mut().unwrap().outages[0];
             (outage.at_s, outage.leaves) = (1.0, Reception::Floating);

@@ -71,21 +71,32 @@ const MOST_PASSES: usize = 6;
 /// Rows are made anew if some coordinate has become narrower than this share of its width.
 const WORTHWHILE: f64 = 0.8;
 
+impl PoseByRows {
+    /// What the rows, made once about the middle of a box of poses, leave of the box.
+    pub(crate) fn pass(&self, domain: &PoseBox) -> PoseBox {
+        if !is_linear_over(domain) {
+            return *domain;
+        }
+        let wanted = [0, 1, 2].map(|axis| Variable::Pose(0, axis));
+        let bounds = bounds_over(&[(self.stray.around(domain), &*self.relations)], &wanted);
+        bounds.map_or(PoseBox::EMPTY, |bounds| {
+            let bounds = self.stray.around(&PoseBox::from([bounds[0], bounds[1], bounds[2]]));
+            let left = PoseBox::from([0, 1, 2].map(|axis| bounds[axis].intersect(domain[axis])));
+            if left.is_empty() { PoseBox::EMPTY } else { left }
+        })
+    }
+}
+
 impl Contractor<3> for PoseByRows {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
         if !is_linear_over(domain) {
             return Outcome::Feasible;
         }
-        let wanted = [0, 1, 2].map(|axis| Variable::Pose(0, axis));
         let mut left = *domain;
         // What rows lose by linearisation becomes less with every pass.
         for _ in 0..MOST_PASSES {
             let before = left;
-            let bounds = bounds_over(&[(self.stray.around(&left), &*self.relations)], &wanted);
-            left = bounds.map_or(PoseBox::EMPTY, |bounds| {
-                let bounds = self.stray.around(&PoseBox::from([bounds[0], bounds[1], bounds[2]]));
-                PoseBox::from([0, 1, 2].map(|axis| bounds[axis].intersect(before[axis])))
-            });
+            left = self.pass(&left);
             if left.is_empty() || (0..3).all(|axis| left[axis].width() > WORTHWHILE * before[axis].width()) {
                 break;
             }

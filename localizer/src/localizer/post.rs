@@ -11,6 +11,7 @@ use crate::{
     graph::{Hull, Variable},
     map::SpacePoint,
     reading::LandmarkId,
+    vision::point_features::Landmark,
 };
 
 use super::Localizer;
@@ -31,6 +32,11 @@ impl Localizer {
             return Vec::new();
         }
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.space_points()).collect()
+    }
+
+    /// How the landmarks in space look that a method knows by their looks.
+    pub fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
+        self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.looks()).collect()
     }
 
     /// Bounds the poses at all key frames and the landmarks in space by each other. Returns whether they agree with each other.

@@ -12,11 +12,18 @@
 //! become narrower, so that rows that are made anew lose less. Boxes only ever shrink, except when what was learnt is taken back. Work on the window is
 //! spread over the images. To teach a map, the key frames of the whole drive are kept, and the graph bounds all landmarks by them at its end.
 //!
+//! A point camera tells which landmark is where in the image; [`pictures`] finds landmarks in real pictures.
+//!
 //! **Source.** Paper 4's sections 2 and 3, with relations in place of its boxes: the paper contracts boxes of poses and landmarks in a sliding window
 //! (DIGO). Its text has errors; the book's page on the five papers lists them.
 
+mod album;
 mod atlas;
 mod camera;
+mod finding;
+mod groups;
+mod lens;
+pub mod pictures;
 mod ray;
 mod relate;
 
@@ -36,7 +43,7 @@ use crate::{
 use atlas::Atlas;
 pub use camera::{DEVICE, PointCameraModel, SeenPoint};
 use ray::Optics;
-use relate::Points;
+use relate::{Points, Sight};
 
 /// Greatest number of landmarks of an image of which rows are made. Those whose direction from the robot is known best are taken.
 const MOST_RELATED: usize = 12;
@@ -115,11 +122,9 @@ impl MappedLandmarks {
 
     /// What the image points relate, as far as their landmarks are known.
     fn related(&self, seen: &[SeenPoint], most: usize) -> Points {
-        let known = |one: &SeenPoint| Some((one.landmark, self.atlas.point(one.landmark)?, one.at_px));
-        let mut seen: Vec<_> = seen.iter().filter_map(known).collect();
-        // The error of a direction is that of the slopes, and what the inverse depth makes for each metre that the robot is away from the anchor.
-        let error = |point: &SpacePoint| point.value.iter().map(|one| one.width()).sum::<f64>();
-        seen.sort_by(|(a, one, _), (b, other, _)| error(one).total_cmp(&error(other)).then(a.cmp(b)));
+        let known = |one: &SeenPoint| Some(Sight::told(one, self.atlas.point(one.landmark)?, &self.optics));
+        let mut seen: Vec<Sight> = seen.iter().filter_map(known).collect();
+        seen.sort_by(Sight::better_known_first);
         seen.truncate(most);
         Points { optics: Arc::clone(&self.optics), seen }
     }

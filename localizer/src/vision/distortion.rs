@@ -123,7 +123,7 @@ fn newton([a, mixed, b]: [Interval; 3], [u, v]: [Interval; 2]) -> Option<[Interv
 }
 
 /// Enclosure of the displacement [`bend`] over a box of image points.
-fn bend_over([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [Interval; 2]) -> [Interval; 2] {
+pub(crate) fn bend_over([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [Interval; 2]) -> [Interval; 2] {
     let square = x.sqr() + y.sqr();
     let radial = square * (square * (square * k3 + k2) + k1);
     [

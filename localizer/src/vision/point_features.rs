@@ -10,8 +10,8 @@
 //!
 //! Paper 4 (section 2.3 and reference 28) searches SURF features in the area that the interval prediction gives, by their descriptors first and by
 //! their orientations second, and assumes an error of one pixel for each. Here the second stage aligns the landmark's own patch with the image, so
-//! that the position is known to about a twentieth of a pixel and its bound is computed instead of assumed. It is the front end of a localization
-//! method to come, `mapped_landmarks`; so far no method uses it.
+//! that the position is known to about a twentieth of a pixel and its bound is computed instead of assumed. The method
+//! [`mapped_landmarks`](crate::methods::mapped_landmarks::pictures) uses it.
 //!
 //! All steps are deterministic, and images of any size and content are allowed.
 

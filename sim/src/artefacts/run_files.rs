@@ -232,7 +232,8 @@ fn learnt_map(scene: &Scene, record: &RunRecord) -> Option<LandmarkMap> {
     let earlier = scene.localizer.mapped_landmarks().known.map_or_else(Vec::new, |map| map.relies_on);
     relies_on.extend(earlier.into_iter().filter(|bound| !relied.contains(&bound.as_str())));
     let room_m = [scene.room.width_m, scene.room.depth_m];
-    (!landmarks.is_empty()).then_some(LandmarkMap { room_m, relies_on, landmarks })
+    let looks = record.looks.clone();
+    (!landmarks.is_empty()).then_some(LandmarkMap { room_m, relies_on, landmarks, looks })
 }
 
 /// Puts the folder `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder under another name.

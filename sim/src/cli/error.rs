@@ -31,7 +31,7 @@ pub(super) enum CommandError {
     SeveralTaught(usize),
     #[error("teach a map by {}: `{key}` leaves nothing to learn, expected {expected}", scene.display())]
     TeachesNothing { scene: PathBuf, key: &'static str, expected: &'static str },
-    #[error("teach a map by {}: no landmark was seen where the pose was known, or images contradict each other, expected a `[robot.point_camera]` and some `[[landmark]]` in its view", .0.display())]
+    #[error("teach a map by {}: no landmark was seen where the pose was known, or images contradict each other, expected a `[robot.point_camera]` and some `[[landmark]]` in its view, or a `[robot.forward_camera]` and textured surfaces in its view", .0.display())]
     LearntNothing(PathBuf),
     #[error("repeat {} by a map: `localizer.methods` uses none, expected `mapped_landmarks` among them", .0.display())]
     UsesNoMap(PathBuf),

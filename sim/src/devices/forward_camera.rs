@@ -5,6 +5,7 @@ use localizer::{
     Map, Method, RobotModel,
     bounds::{self, Assumption},
     methods::{
+        mapped_landmarks::pictures::{KnownLandmarks, PicturedLandmarks},
         wall_bearings::{CameraPlace, WallBearings},
         wall_directions::{self, WallDirections},
     },
@@ -19,8 +20,8 @@ use super::{
     relative,
 };
 
-/// Names of the forward camera's calibration bounds. Those of its position matter to the method `wall_bearings` alone, because a heading from walls
-/// does not depend on where the camera is.
+/// Names of the forward camera's calibration bounds. Those of its position matter to the methods `wall_bearings` and `mapped_landmarks` alone, because
+/// a heading from walls does not depend on where the camera is.
 const BOUNDS: CalibrationBounds = CalibrationBounds {
     position: &[bounds::FORWARD_CAMERA_POSITION, bounds::FORWARD_CAMERA_HEIGHT],
     angles: &[bounds::FORWARD_CAMERA_YAW, bounds::FORWARD_CAMERA_TILT],
@@ -41,6 +42,16 @@ impl Device for ForwardCamera {
             let setup = scene.localizer.wall_bearings().method();
             let (camera, walls) = (robot.forward_camera?, map.walls.as_ref()?);
             return Some(Box::new(WallBearings::new(camera, self.place(), walls, setup, robot)));
+        }
+        if name == MethodName::MappedLandmarks {
+            let setup = scene.localizer.mapped_landmarks();
+            let (learning, quotas) = (setup.learning(), setup.quotas());
+            let known = setup.known.as_ref().map_or_else(KnownLandmarks::default, |map| KnownLandmarks {
+                points: &map.landmarks,
+                looks: &map.looks,
+            });
+            let camera = robot.forward_camera?;
+            return Some(Box::new(PicturedLandmarks::new(camera, self.place(), robot, known, learning, quotas)));
         }
         let keys = scene.localizer.wall_directions();
         let setup = wall_directions::Setup {
@@ -63,12 +74,16 @@ impl Device for ForwardCamera {
     }
 
     fn is_relied_on(&self, scene: &Scene) -> bool {
-        [MethodName::WallDirections, MethodName::WallBearings].iter().any(|name| scene.localizer.methods.contains(name))
+        let methods = &scene.localizer.methods;
+        let is_read_by = |name: &MethodName| methods.contains(name);
+        [MethodName::WallDirections, MethodName::WallBearings].iter().any(is_read_by)
+            || methods.iter().any(|name| scene.robot.shows_landmarks(*name))
     }
 
     fn constants(&self, drawn: &DrawnCamera, scene: &Scene) -> Vec<(Assumption, f64, f64)> {
         let mut constants = BOUNDS.constants(&self.calibration, self, drawn);
-        if !scene.localizer.methods.contains(&MethodName::WallBearings) {
+        let is_of_place = |name: &MethodName| *name == MethodName::WallBearings || scene.robot.shows_landmarks(*name);
+        if !scene.localizer.methods.iter().any(is_of_place) {
             constants.retain(|(name, _, _)| !BOUNDS.position.contains(name));
         }
         constants

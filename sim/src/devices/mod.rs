@@ -247,6 +247,9 @@ macro_rules! define_methods {
         /// The localizer's method of the given name with the settings of the scene; `None` where the robot lacks the device that the method reads, or
         /// there is nothing that the method could see.
         pub(crate) fn method(name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+            if scene.robot.shows_landmarks(name) {
+                return scene.robot.forward_camera.as_ref()?.method(name, scene, map, robot);
+            }
             match name {
                 $(MethodName::$method => scene.robot.$device.as_ref()?.method(name, scene, map, robot),)+
             }

@@ -6,7 +6,7 @@ use interval::Interval;
 use localizer::{
     Map, Method, RobotModel,
     bounds::{self, Assumption},
-    methods::mapped_landmarks::{Learning, MappedLandmarks, PointCameraModel},
+    methods::mapped_landmarks::{MappedLandmarks, PointCameraModel},
 };
 
 use crate::{
@@ -57,12 +57,8 @@ impl Device for PointCamera {
 
     fn method(&self, _name: MethodName, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         let setup = scene.localizer.mapped_landmarks();
+        let learning = setup.learning();
         let known = setup.known.map_or_else(Vec::new, |map| map.landmarks);
-        let learning = match (setup.learns, setup.teaches) {
-            (false, _) => Learning::Never,
-            (true, false) => Learning::Drives,
-            (true, true) => Learning::Teaches,
-        };
         Some(Box::new(MappedLandmarks::new(self.model(scene), robot, &known, learning)))
     }
 

@@ -246,6 +246,7 @@ fn claims(image: &ImageRecord) -> impl Iterator<Item = (MarkerId, &[SeenDot])> {
         | Claim::WallLine { .. }
         | Claim::UprightLine { .. }
         | Claim::WallUpright { .. }
+        | Claim::SpacePoint { .. }
         | Claim::Landmark { .. }
         | Claim::WallPoint { .. } => None,
     })

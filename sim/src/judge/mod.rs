@@ -13,6 +13,7 @@ mod distribution;
 mod landmarks;
 mod markers;
 mod methods;
+mod space_points;
 mod statistics;
 mod verdict;
 

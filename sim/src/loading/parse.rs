@@ -95,6 +95,7 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
 /// Reads the map of landmarks that a scene names.
 fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction> {
     let room_m = [scene.room.width_m, scene.room.depth_m];
+    let in_pictures = scene.localizer.methods.iter().any(|name| scene.robot.shows_landmarks(*name));
     let Some(setup) = &mut scene.localizer.mapped_landmarks else { return Ok(()) };
     let Some(map) = &setup.map else { return Ok(()) };
     // A whole path needs no folder.
@@ -106,6 +107,12 @@ fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
         let expected =
             format!("{map} is of a room of {:?} m, expected a map of this room of {room_m:?} m", known.room_m);
         return Err(refused(expected));
+    }
+    if in_pictures == known.looks.is_empty() && !known.landmarks.is_empty() {
+        let [taught, wanted] = if in_pictures { ["point", "forward"] } else { ["forward", "point"] };
+        return Err(refused(format!(
+            "{map} was taught by a {taught} camera, expected a map taught by a {wanted} camera"
+        )));
     }
     setup.known = Some(known);
     Ok(())

@@ -2,10 +2,12 @@
 
 use std::{fmt::Write, fs, path::Path};
 
+use base64::{Engine, prelude::BASE64_STANDARD as BASE64};
 use interval::Interval;
 use localizer::{
     map::{Anchor, SpacePoint},
     reading::LandmarkId,
+    vision::point_features::Landmark,
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -16,8 +18,10 @@ use super::navigation::map_server::MapError;
 
 /// Name of the format, which every file states.
 const FORMAT: &str = "wherein landmark map";
-/// Version of the format that is written, the latest that can be read.
-const VERSION: u64 = 1;
+/// Latest version of the format: landmarks have looks. A map without looks is written in version 1, which is otherwise the same.
+const VERSION: u64 = 2;
+/// Version of the format without looks.
+const VERSION_WITHOUT_LOOKS: u64 = 1;
 /// What stands for the digest in the text that the digest is of.
 const NO_DIGEST: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 /// Share of its size, and absolute part, by which every interval is made wider when it is written: numbers may be read back with a rounding error.
@@ -52,6 +56,9 @@ struct Entry {
     axis: String,
     slopes: [[f64; 2]; 2],
     inverse_depth_per_m: [f64; 2],
+    /// How the landmark looks: position, direction, descriptors and grey levels as bytes in Base64.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    look: Option<String>,
 }
 
 /// Names of the axes along which depths are counted.
@@ -75,11 +82,13 @@ pub fn text(map: &LandmarkMap) -> String {
             axis: axis.map_or("", |(name, ..)| name).to_owned(),
             slopes: [alpha, beta],
             inverse_depth_per_m: [rho[0].max(0.0), rho[1]],
+            look: map.looks.iter().find(|(of, _)| *of == landmark).map(|(_, look)| BASE64.encode(look.to_bytes())),
         }
     };
+    let version = if map.looks.is_empty() { VERSION_WITHOUT_LOOKS } else { VERSION };
     let file = File {
         format: FORMAT.to_owned(),
-        version: VERSION,
+        version,
         digest: NO_DIGEST.to_owned(),
         room_m: map.room_m,
         relies_on: map.relies_on.clone(),
@@ -107,8 +116,8 @@ fn parse(text: &str) -> Result<LandmarkMap, String> {
         Some(version) if version > VERSION => {
             return Err(format!("`version` is {version}, of a later Wherein, expected at most {VERSION}"));
         }
-        Some(VERSION) => {}
-        _ => return Err(format!("`version` is {}, expected {VERSION}", value["version"])),
+        Some(VERSION_WITHOUT_LOOKS | VERSION) => {}
+        _ => return Err(format!("`version` is {}, expected a number from 1 to {VERSION}", value["version"])),
     }
     let file: File =
         serde_path_to_error::deserialize(value).map_err(|error| format!("`{}`: {}", error.path(), error.inner()))?;
@@ -124,7 +133,8 @@ fn parse(text: &str) -> Result<LandmarkMap, String> {
     if let Some(at) = (1..landmarks.len()).find(|&at| landmarks[at - 1].0 >= landmarks[at].0) {
         return Err(format!("`landmarks[{at}].number` is out of order, expected each number once, the least first"));
     }
-    Ok(LandmarkMap { room_m: file.room_m, relies_on: file.relies_on, landmarks })
+    let looks = looks_of(&file)?;
+    Ok(LandmarkMap { room_m: file.room_m, relies_on: file.relies_on, landmarks, looks })
 }
 
 /// The landmark of an entry, or the key that is at fault with what was expected of it.
@@ -145,6 +155,25 @@ fn point_of(entry: &Entry) -> Result<SpacePoint, (&'static str, &'static str)> {
     Ok(SpacePoint { anchor: Anchor { from_m: entry.anchor_m, axis, is_positive }, value: [alpha, beta, rho] })
 }
 
+/// How the landmarks of a file look: all of them, or none.
+fn looks_of(file: &File) -> Result<Vec<(LandmarkId, Landmark)>, String> {
+    let has_looks = file.version > VERSION_WITHOUT_LOOKS;
+    let mut looks = Vec::new();
+    for (index, entry) in file.landmarks.iter().enumerate() {
+        if entry.look.is_some() != has_looks {
+            let expected = if has_looks { "one for each landmark" } else { "none in version 1" };
+            return Err(format!("`landmarks[{index}].look` is not possible, expected {expected}"));
+        }
+        let Some(text) = &entry.look else { continue };
+        let look = BASE64.decode(text).ok().and_then(|bytes| Landmark::from_bytes(&bytes));
+        let expected = || {
+            format!("`landmarks[{index}].look` is not possible, expected bytes in Base64 as `wherein teach` wrote them")
+        };
+        looks.push((LandmarkId(entry.number), look.ok_or_else(expected)?));
+    }
+    Ok(looks)
+}
+
 fn digest_of(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().fold(String::new(), |mut digest, byte| {
         // Writing to a `String` cannot fail.
@@ -156,6 +185,9 @@ fn digest_of(text: &str) -> String {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use image::{GrayImage, Luma};
+    use localizer::vision::point_features::{Frame, ImageBounds};
+
     use super::*;
 
     fn map() -> LandmarkMap {
@@ -169,6 +201,7 @@ mod tests {
                 (LandmarkId(3), SpacePoint { anchor, value }),
                 (LandmarkId(9), SpacePoint { anchor: far, value }),
             ],
+            looks: Vec::new(),
         }
     }
 
@@ -185,15 +218,34 @@ mod tests {
     }
 
     #[test]
+    fn looks_come_back_from_a_file_of_version_2_and_a_map_without_them_is_of_version_1() {
+        let picture =
+            GrayImage::from_fn(200, 160, |u, v| Luma([(u * 7 % 90 + (u / 9 * 37 + v / 11 * 53) % 120) as u8]));
+        let bounds = ImageBounds { focal_px: 400.0, slant: 1.0, dark_noise_grey: 1.0, electrons_per_grey: 20.0 };
+        let looks: Vec<Landmark> = Frame::new(&picture, &bounds).landmarks(2);
+        assert_eq!(looks.len(), 2);
+        let map = LandmarkMap { looks: [LandmarkId(3), LandmarkId(9)].into_iter().zip(looks).collect(), ..map() };
+        let told = text(&map);
+        assert!(told.contains("\"version\": 2") && text(&self::map()).contains("\"version\": 1"));
+        assert_eq!(parse(&told).unwrap().looks, map.looks);
+        let unsigned = told.replacen(&serde_json::from_str::<File>(&told).unwrap().digest, NO_DIGEST, 1);
+        let resigned = |text: String| text.replacen(NO_DIGEST, &digest_of(&text), 1);
+        for (from, to) in [("\"look\": \"", "\"look\": \"AAAA"), ("\"version\": 2", "\"version\": 1")] {
+            let refused = parse(&resigned(unsigned.replacen(from, to, 1))).unwrap_err();
+            assert!(refused.contains("`landmarks[0].look` is not possible"), "{refused}");
+        }
+    }
+
+    #[test]
     fn what_is_no_map_is_refused_with_its_key() {
         let good = text(&map());
-        let of_later = good.replacen("\"version\": 1", "\"version\": 2", 1);
+        let of_later = good.replacen("\"version\": 1", "\"version\": 3", 1);
         let changed = good.replacen("-0.3", "-0.4", 1);
         for (bad, told) in [
             ("", "expected JSON"),
             (&good[..good.len() / 2], "expected JSON"),
             ("{}", "`format` is null"),
-            (&of_later, "`version` is 2, of a later Wherein, expected at most 1"),
+            (&of_later, "`version` is 3, of a later Wherein, expected at most 2"),
             (&changed, "`digest` is not that of the text"),
         ] {
             let refused = parse(bad).unwrap_err();

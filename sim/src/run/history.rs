@@ -10,6 +10,7 @@ use localizer::{
     map::SpacePoint,
     quota::Quota,
     reading::{Camera, LandmarkId},
+    vision::point_features::Landmark,
 };
 
 use crate::{
@@ -56,6 +57,8 @@ pub struct RunRecord {
     pub widths: Vec<PoseWidth>,
     /// Landmarks in space that the localizer knew at the end, from a map or learnt, in the order of their numbers.
     pub space_points: Vec<(LandmarkId, SpacePoint)>,
+    /// How the landmarks in space look that the localizer knew by their looks at the end, in the order of their numbers.
+    pub looks: Vec<(LandmarkId, Landmark)>,
     /// What the localizer under test did wrong so that the run ended, if anything.
     pub subject_failure: Option<Failure>,
     /// What the localizer under test wrote for its author.
@@ -214,6 +217,7 @@ impl RunRecord {
             contradictions: Vec::new(),
             widths: Vec::new(),
             space_points: Vec::new(),
+            looks: Vec::new(),
             subject_failure: None,
             subject_log: None,
             has_boxes: true,

@@ -110,6 +110,7 @@ impl RangeBaselines {
                 | Claim::WallLine { .. }
                 | Claim::UprightLine { .. }
                 | Claim::WallUpright { .. }
+                | Claim::SpacePoint { .. }
                 | Claim::Marker { .. }
                 | Claim::WallPoint { .. } => None,
             })

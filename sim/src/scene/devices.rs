@@ -77,7 +77,7 @@ macro_rules! with_every_method {
             /// Method that locates the robot by the positions of an antenna that a receiver of satellite navigation reports.
             GnssPositions reads gnss,
             /// Method that locates the robot by landmarks in space whose places an earlier drive or this one has learnt, seen by a camera that knows
-            /// them again (paper 4).
+            /// them again (paper 4). It reads the point camera or, on a robot without one, the pictures of the forward camera.
             MappedLandmarks reads point_camera,
             /// Method that locates the robot by the distances of walls that a planar range scanner measures.
             WallRanges reads scanner,

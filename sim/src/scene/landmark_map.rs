@@ -1,6 +1,6 @@
 //! A map of landmarks in space: the contents of the map file that a scene names.
 
-use localizer::{map::SpacePoint, reading::LandmarkId};
+use localizer::{map::SpacePoint, reading::LandmarkId, vision::point_features::Landmark};
 
 /// A map of landmarks in space, as a drive has learnt them.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,4 +11,6 @@ pub struct LandmarkMap {
     pub relies_on: Vec<String>,
     /// The landmarks, in the order of their numbers.
     pub landmarks: Vec<(LandmarkId, SpacePoint)>,
+    /// How the landmarks look, for all of them in the order of their numbers; empty where a point camera has told which landmark is which.
+    pub looks: Vec<(LandmarkId, Landmark)>,
 }

@@ -1,5 +1,6 @@
 //! Setup of the method `mapped_landmarks`, which locates the robot by landmarks in space.
 
+use localizer::methods::mapped_landmarks::{Learning, pictures::Quotas};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +16,19 @@ pub struct MappedLandmarksSetup {
     pub map: Option<String>,
     /// Whether the localizer learns where landmarks are, those of the map and others.
     pub learns: bool,
-    /// Whether images of the whole drive are kept, and the map that a run leaves is made of all of them at its end; `wherein teach` sets it. Otherwise
-    /// the map is what was learnt on the way. Without effect where `learns` is false.
+    /// Whether images of the whole drive are kept, and the map that a run leaves is made of all of them at its end; `wherein teach` sets it.
+    /// Otherwise the map is what was learnt on the way. In pictures of the forward
+    /// camera, landmarks are then bounded by windows of twelve pictures together. Without effect where `learns` is false.
     pub teaches: bool,
+    /// For landmarks that are seen in pictures of the forward camera: greatest share of a picture's sightings that may be false, as where something
+    /// else looks like the landmark, or where the landmark is not where the map has it. Unless given, it is 0.05.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub wrong_share: Option<f64>,
+    /// Number of a picture's sightings that may be false in addition to `wrong_share`. Unless given, it is 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 1000))]
+    pub wrong_items: Option<usize>,
     /// Contents of the file that the key `map` names.
     #[serde(skip)]
     pub known: Option<LandmarkMap>,
@@ -25,6 +36,33 @@ pub struct MappedLandmarksSetup {
 
 impl Default for MappedLandmarksSetup {
     fn default() -> Self {
-        MappedLandmarksSetup { map: None, learns: true, teaches: false, known: None }
+        MappedLandmarksSetup {
+            map: None,
+            learns: true,
+            teaches: false,
+            wrong_share: None,
+            wrong_items: None,
+            known: None,
+        }
+    }
+}
+
+impl MappedLandmarksSetup {
+    /// Whether the method learns, as the localizer is given it.
+    pub(crate) fn learning(&self) -> Learning {
+        match (self.learns, self.teaches) {
+            (false, _) => Learning::Never,
+            (true, false) => Learning::Drives,
+            (true, true) => Learning::Teaches,
+        }
+    }
+
+    /// The declared quotas of false sightings, as the localizer is given them.
+    pub(crate) fn quotas(&self) -> Quotas {
+        let usual = Quotas::default();
+        Quotas {
+            wrong_share: self.wrong_share.unwrap_or(usual.wrong_share),
+            wrong_items: self.wrong_items.unwrap_or(usual.wrong_items),
+        }
     }
 }

@@ -79,6 +79,9 @@ macro_rules! define_lacks {
         impl Robot {
             /// Key of the device that `method` reads if this robot lacks that device, otherwise `None`.
             pub(crate) fn lacks(&self, method: MethodName) -> Option<&'static str> {
+                if self.shows_landmarks(method) {
+                    return None;
+                }
                 match method {
                     $(MethodName::$method => self.$device.is_none().then_some(concat!("robot.", stringify!($device))),)+
                 }
@@ -90,6 +93,12 @@ macro_rules! define_lacks {
 with_every_method!(define_lacks);
 
 impl Robot {
+    /// Whether the given method is the one of landmarks in space, and reads the pictures of this robot's forward camera, because there is no point
+    /// camera.
+    pub(crate) fn shows_landmarks(&self, method: MethodName) -> bool {
+        method == MethodName::MappedLandmarks && self.point_camera.is_none() && self.forward_camera.is_some()
+    }
+
     /// Names of the robot's cameras, in the order of [`Camera::ALL`].
     pub fn cameras(&self) -> Vec<Camera> {
         Camera::ALL.into_iter().filter(|name| self.camera(*name).is_some()).collect()

@@ -6,6 +6,7 @@ use localizer::{
     map::SpacePoint,
     motion::SlipExcess,
     reading::LandmarkId,
+    vision::point_features::Landmark,
 };
 
 use super::{Answer, Subject};
@@ -65,6 +66,10 @@ impl Subject for IntervalLocalizer {
 
     fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
         self.localizer.space_points()
+    }
+
+    fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
+        self.localizer.looks()
     }
 
     fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {

@@ -21,6 +21,7 @@ use localizer::{
     map::SpacePoint,
     motion::SlipExcess,
     reading::LandmarkId,
+    vision::point_features::Landmark,
 };
 
 use crate::scene::Scene;
@@ -83,6 +84,11 @@ pub trait Subject {
 
     /// Landmarks in space that the subject knows, from a map or learnt, for a map file; a subject without any need not implement this.
     fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
+        Vec::new()
+    }
+
+    /// How the landmarks in space look that the subject knows by their looks, for a map file; a subject without any need not implement this.
+    fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
         Vec::new()
     }
 

@@ -14,7 +14,11 @@ use crate::{
     reading::LandmarkId,
 };
 
-use super::{camera::SeenPoint, ray::Optics, relate::Points};
+use super::{
+    camera::SeenPoint,
+    ray::Optics,
+    relate::{Points, Sight},
+};
 
 /// Greatest number of images in the window: a program of eight has some 80 quantities.
 const MOST_IMAGES: usize = 8;
@@ -85,7 +89,7 @@ impl Atlas {
         }
         for one in seen {
             if !self.entries.contains_key(&one.landmark)
-                && let Some(point) = optics.first_seen(pose, one.at_px)
+                && let Some(point) = optics.first_seen(pose, one.at_px, [optics.camera.error_px; 2])
             {
                 self.entries.insert(one.landmark, Entry::new(point, stamp_s));
             }
@@ -123,7 +127,7 @@ impl Atlas {
             .iter()
             .map(|image| {
                 let related = image.seen.iter().filter(|one| landmarks.binary_search(&one.landmark).is_ok());
-                let known = |one: &SeenPoint| Some((one.landmark, self.point(one.landmark)?, one.at_px));
+                let known = |one: &SeenPoint| Some(Sight::told(one, self.point(one.landmark)?, optics));
                 (image.pose, Points { optics: Arc::clone(optics), seen: related.filter_map(known).collect() })
             })
             .collect();

@@ -1,8 +1,8 @@
 //! How a landmark's image point depends on the pose, the camera and the landmark, with every declared error as a parameter.
 //!
 //! Let P be the robot's position at the heave h, θ its heading, δ what the definition of the heading leaves open, a the optical centre in the robot
-//! frame, T(b) the lean of the body, T(m) that of the mount, and N the nominal attitude of the camera before its yaw. For a landmark L with the anchor
-//! A and (L − A)·ρ = d, the vector from the optical centre to L, times ρ, is in the frame of the camera
+//! frame, T(b) the lean of the body, T(m) that of the mount, and N the nominal attitude of the camera before its yaw. For a landmark L with the
+//! anchor A and (L − A)·ρ = d, the vector from the optical centre to L, times ρ, is in the frame of the camera
 //!
 //! ```text
 //! x = Nᵀ T(−m) Rz(−yaw) [ T(−b) Rz(−θ − δ) (d + ρ·(A − P)) − ρ·a ]
@@ -101,8 +101,8 @@ impl Optics {
         parameters
     }
 
-    /// The left sides of the equations of an image point along u and along v, and x₃.
-    pub(super) fn equations(&self, parameters: &Parameters, anchor: &Anchor, at_px: [f64; 2]) -> ([Number; 2], Number) {
+    /// The vector x from the optical centre to a landmark, times ρ, in the frame of the camera: to the right, down and ahead.
+    pub(super) fn in_camera(&self, parameters: &Parameters, anchor: &Anchor) -> [Number; 3] {
         let number = |index: usize| Number::parameter(index, parameters[index]);
         let exactly = |value: f64| Number::constant(Interval::point(value));
         let rho = number(POINT[2]);
@@ -117,19 +117,37 @@ impl Optics {
         let from_camera = [0, 1, 2].map(|k| in_body[k] - rho * mount[k]);
         let [ahead, left, up] = tilted(turned(from_camera, -number(YAW)), MOUNT_TILT.map(|index| -number(index)));
         let [cos, sin] = self.up.map(Number::constant);
-        let x = [-left, ahead * sin - up * cos, ahead * cos + up * sin];
+        [-left, ahead * sin - up * cos, ahead * cos + up * sin]
+    }
+
+    /// Enclosure of the vector of [`in_camera`](Self::in_camera) over the boxes of a pose and of a landmark, as a mean value form: the terms by the
+    /// anchor's place and by the mount's cancel each other, however little is known of ρ.
+    pub(super) fn ray(&self, pose: &PoseBox, point: &SpacePoint) -> [Interval; 3] {
+        let over_box = self.parameters(pose, point.value);
+        let middle = over_box.map(|value| Interval::point(value.mid()));
+        let deviations: Parameters = std::array::from_fn(|k| over_box[k] - middle[k]);
+        let [wide, exact] = [over_box, middle].map(|parameters| self.in_camera(&parameters, &point.anchor));
+        std::array::from_fn(|k| wide[k].around(exact[k].value, &deviations).value)
+    }
+
+    /// The left sides of the equations of an image point along u and along v, and x₃.
+    pub(super) fn equations(&self, parameters: &Parameters, anchor: &Anchor, at_px: [f64; 2]) -> ([Number; 2], Number) {
+        let number = |index: usize| Number::parameter(index, parameters[index]);
+        let exactly = |value: f64| Number::constant(Interval::point(value));
+        let x = self.in_camera(parameters, anchor);
         let equation = |k: usize| number(FOCAL) * x[k] + (number(CENTRE[k]) - exactly(at_px[k])) * x[2];
         ([equation(0), equation(1)], x[2])
     }
 
-    /// The landmark of which nothing is known but an image point at a pose within a box; `None` where the box is too wide to tell along which axis of
-    /// the world the camera looks.
-    pub(super) fn first_seen(&self, pose: &PoseBox, at_px: [f64; 2]) -> Option<SpacePoint> {
+    /// The landmark of which nothing is known but an image point, with its greatest error, at a pose within a box; `None` where the box is too wide
+    /// to tell along which axis of the world the camera looks.
+    pub(super) fn first_seen(&self, pose: &PoseBox, at_px: [f64; 2], error_px: [f64; 2]) -> Option<SpacePoint> {
         let parameters = self.parameters(pose, [Interval::ZERO; 3]);
         let constant = |index: usize| Number::constant(parameters[index]);
-        // The direction in which the point is seen, with unit depth along the optical axis: first in the frame of the camera, then turned to the world.
+        // The direction in which the point is seen, with unit depth along the optical axis: first in the frame of the camera, then turned to the
+        // world.
         let slope = |k: usize| {
-            let seen_px = Interval::centred(at_px[k], self.camera.error_px);
+            let seen_px = Interval::centred(at_px[k], error_px[k]);
             Number::constant((seen_px - parameters[CENTRE[k]]) / parameters[FOCAL])
         };
         let [cos, sin] = self.up.map(Number::constant);

@@ -1,6 +1,6 @@
 //! What the image points of one image relate: the pose, the constants of the camera, the lean of the body, and the landmarks.
 
-use std::sync::Arc;
+use std::{cmp::Ordering, sync::Arc};
 
 use interval::Interval;
 
@@ -14,24 +14,44 @@ use crate::{
 };
 
 use super::{
-    camera::DEVICE,
+    camera::{DEVICE, SeenPoint},
     ray::{HEAVE, N_PARAMETERS, Optics, POINT, Parameters, TURN, variable},
 };
+
+/// Image point of a landmark, with what is known of the landmark.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    pub(super) landmark: LandmarkId,
+    pub(super) point: SpacePoint,
+    /// Column and row at which a pinhole camera would see it.
+    pub(super) at_px: [f64; 2],
+    /// Greatest error of the image point along u and along v.
+    pub(super) error_px: [f64; 2],
+}
+
+impl Sight {
+    /// Order in which the landmarks whose direction from the robot is known best come first. The error of a direction is that of the slopes, and what
+    /// the inverse depth makes for each metre that the robot is away from the anchor.
+    pub(super) fn better_known_first(&self, other: &Sight) -> Ordering {
+        let error = |sight: &Sight| sight.point.value.iter().map(|one| one.width()).sum::<f64>();
+        error(self).total_cmp(&error(other)).then(self.landmark.cmp(&other.landmark))
+    }
+
+    /// The sight of an image point that a point camera has told.
+    pub(super) fn told(seen: &SeenPoint, point: SpacePoint, optics: &Optics) -> Sight {
+        Sight { landmark: seen.landmark, point, at_px: seen.at_px, error_px: [optics.camera.error_px; 2] }
+    }
+}
 
 /// Image points of landmarks, with what is known of each landmark.
 #[derive(Clone)]
 pub(super) struct Points {
     pub(super) optics: Arc<Optics>,
-    pub(super) seen: Vec<(LandmarkId, SpacePoint, [f64; 2])>,
+    pub(super) seen: Vec<Sight>,
 }
 
 impl Points {
-    fn rows_of(
-        &self,
-        (landmark, point, at_px): &(LandmarkId, SpacePoint, [f64; 2]),
-        frame: usize,
-        domain: &Domain,
-    ) -> Vec<Row> {
+    fn rows_of(&self, Sight { landmark, point, at_px, error_px }: &Sight, frame: usize, domain: &Domain) -> Vec<Row> {
         // What no quantity of the graph stands for keeps its interval.
         let own = self.optics.parameters(&PoseBox::from([Interval::ZERO; 3]), point.value);
         let named: [Option<Variable>; N_PARAMETERS] = std::array::from_fn(|k| variable(k, frame, *landmark));
@@ -55,8 +75,8 @@ impl Points {
         // Rows count in about the image's units of a focal length, so that their coefficients are of the size of those of other rows. The factor is a
         // power of two, by which numbers are multiplied without a rounding error.
         let unit = Interval::point((-self.optics.camera.focal_px.mid().log2().round()).exp2());
-        let error = Interval::centred(0.0, self.optics.camera.error_px) * depth.value * unit;
         let row = |k: usize| {
+            let error = Interval::centred(0.0, error_px[k]) * depth.value * unit;
             let slopes: Parameters = std::array::from_fn(|parameter| slope(k, parameter) * unit);
             let terms: Vec<(Variable, Interval)> =
                 (0..N_PARAMETERS).filter_map(|k| Some((named[k]?, slopes[k]))).collect();
@@ -74,7 +94,7 @@ impl Points {
 impl Relations for Points {
     fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
         let mut quantities = Vec::new();
-        for (landmark, point, _) in &self.seen {
+        for Sight { landmark, point, .. } in &self.seen {
             let parameters = self.optics.parameters(pose, point.value);
             for (k, value) in parameters.into_iter().enumerate() {
                 let variable = variable(k, frame, *landmark).filter(|one| !matches!(one, Variable::Pose(..)));

@@ -41,7 +41,9 @@ fn the_truth_satisfies_the_rows_of_image_points_at_the_corners_of_all_bounds() {
         let value = true_point.map(|one| around(&mut draw, one, size));
         let optics = Arc::new(Optics::new(truth.camera, truth.body));
         let id = LandmarkId(9);
-        let points = Points { optics, seen: vec![(id, SpacePoint { anchor, value }, at_px)] };
+        let error_px = [truth.camera.error_px; 2];
+        let points =
+            Points { optics, seen: vec![Sight { landmark: id, point: SpacePoint { anchor, value }, at_px, error_px }] };
         let mut values: BTreeMap<Variable, f64> =
             truth.constants.iter().map(|(&constant, &value)| (Variable::Constant(constant), value)).collect();
         let mut domain = Domain::default();
@@ -86,7 +88,7 @@ fn a_landmark_is_within_its_box_from_its_first_sighting_on() {
             let half = draw.size(1e-6, if k == 2 { 0.02 } else { 0.05 });
             around(&mut draw, at.pose[k], half)
         }));
-        let point = Optics::new(truth.camera, truth.body).first_seen(&pose, at_px).unwrap();
+        let point = Optics::new(truth.camera, truth.body).first_seen(&pose, at_px, [truth.camera.error_px; 2]).unwrap();
         let expected = homogeneous(&point.anchor, landmark);
         for (k, (value, truly)) in point.value.into_iter().zip(expected).enumerate() {
             assert!(value.inflate(1e-12).contains(truly), "round {round}, {k}: {truly} {value}");

@@ -79,6 +79,10 @@ pub(super) fn draw_seen(
                     lines.iter().for_each(|(ends_px, _)| edge(canvas, *ends_px, place, stroke, colour));
                 }
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, stroke, colour),
+                Claim::SpacePoint { at_px: [u, v], .. } => {
+                    let arms = [[-4.0, 0.0], [0.0, -4.0]].map(|[du, dv]| [[u - du, v - dv], [u + du, v + dv]]);
+                    arms.into_iter().for_each(|ends_px| edge(canvas, ends_px, place, stroke, colour));
+                }
                 // Only a range reading has claims of landmarks, an image never has, so there is nothing to draw.
                 Claim::Landmark { .. } | Claim::WallPoint { .. } => {}
             }

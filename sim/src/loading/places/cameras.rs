@@ -1,4 +1,5 @@
-//! Contradictions about cameras: exposures that do not fit between two images, and black levels that leave no grey levels for light.
+//! Contradictions about cameras: exposures that do not fit between two images, shutters that a method does not allow for, and black levels that leave
+//! no grey levels for light.
 
 use crate::{
     loading::contradiction::Contradiction,
@@ -9,8 +10,15 @@ use localizer::reading::Camera;
 /// Tolerance for rounding when times are compared: sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody states a period that finely.
 const ROUNDING_S: f64 = 1e-9;
 
-/// All contradictions in `scene` about its cameras' exposures and black levels.
+/// All contradictions in `scene` about its cameras' exposures, shutters and black levels.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let shows_landmarks = scene.localizer.methods.iter().any(|name| scene.robot.shows_landmarks(*name));
+    let row_time_s = scene.robot.forward_camera.as_ref().map_or(0.0, |camera| camera.lens.row_time_s);
+    if shows_landmarks && row_time_s > 0.0 {
+        let expected =
+            "the method `mapped_landmarks` takes all rows of an image to be exposed at once, expected 0".to_owned();
+        found.push(Contradiction { key: "robot.forward_camera.lens.row_time_s".to_owned(), expected });
+    }
     for camera in Camera::ALL.into_iter().filter_map(|name| scene.robot.camera(name)) {
         let problems = [
             exposure_problem(camera),

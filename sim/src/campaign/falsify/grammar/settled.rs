@@ -37,7 +37,10 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
 /// together: then an error of one method misleads the others.
 fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
     let mut dice = draws.dice("methods that are used");
-    let used = MethodName::ALL.iter().copied().filter(|method| robot.lacks(*method).is_none() && dice.chance(0.9));
+    // Pictures of landmarks have to be exposed at once.
+    let rolls = robot.forward_camera.as_ref().is_some_and(|camera| camera.lens.row_time_s > 0.0);
+    let is_possible = |method: MethodName| robot.lacks(method).is_none() && !(rolls && robot.shows_landmarks(method));
+    let used = MethodName::ALL.iter().copied().filter(|method| is_possible(*method) && dice.chance(0.9));
     let names: Vec<Value> = used.filter_map(|method| Value::try_from(method).ok()).collect();
     let setup = table(scene, "localizer");
     setup.insert("methods".to_owned(), Value::Array(names));

@@ -1,0 +1,159 @@
+//! The search for known landmarks in a picture, where the boxes of the pose and of each landmark allow them to be.
+//!
+//! What is searched where matters to what is found, and not to whether a sighting is true.
+
+use std::sync::Arc;
+
+use interval::Interval;
+
+use crate::{
+    PoseBox,
+    map::SpacePoint,
+    method::Claim,
+    reading::LandmarkId,
+    vision::point_features::{Frame, Landmark, Search},
+};
+
+use super::{
+    album::{Album, Entry},
+    lens::PictureLens,
+    ray::Optics,
+    relate::Sight,
+};
+
+/// Greatest number of landmarks that are searched in a picture: about 0.1 ms each.
+const MOST_SEARCHED: usize = 60;
+/// Greatest side, in pixels, of the part of a picture in which a landmark is searched: everywhere, much looks alike.
+const WIDEST_SEARCH_PX: f64 = 300.0;
+/// Share by which the apparent size of a landmark may differ from the ratio of the distances, as for slanted surfaces, and the turn in the picture,
+/// in radians.
+const SIZE_SLACK: f64 = 0.15;
+const TURN_RAD: f64 = 0.15;
+/// Least cosine of the angle between the directions from which a landmark was first seen and is searched, and greatest ratio of both distances:
+/// beyond them a patch is not aligned.
+const LEAST_COSINE: f64 = 0.75;
+const GREATEST_RATIO: f64 = 2.0;
+/// Distance from the picture's border, in pixels, within which a landmark is not missed: its patch is not wholly in view.
+const BORDER_PX: f64 = 24.0;
+/// Where a landmark is searched in a picture.
+struct Expected {
+    landmark: LandmarkId,
+    look: Arc<Landmark>,
+    point: SpacePoint,
+    region_px: [Interval; 2],
+    scale: Interval,
+    n_failures: usize,
+}
+
+/// What has been found in a picture so far.
+#[derive(Default)]
+pub(super) struct Searched {
+    pub(super) sights: Vec<Sight>,
+    /// For each sighting, its claim.
+    pub(super) claims: Vec<Claim>,
+    /// Places in the picture at or near which landmarks are.
+    pub(super) near_px: Vec<[f64; 2]>,
+}
+
+/// The camera by which landmarks are searched.
+pub(super) struct Finder {
+    pub(super) lens: PictureLens,
+    pub(super) optics: Arc<Optics>,
+}
+
+impl Finder {
+    /// Searches the landmarks that a picture from a pose within a box may show and that have not been found yet. Where asked for, it is noted of
+    /// those that should be wholly in view whether they were found.
+    pub(super) fn search(
+        &self,
+        album: &mut Album,
+        frame: &mut Frame,
+        pose: &PoseBox,
+        size_px: [f64; 2],
+        searched: &mut Searched,
+        notes: bool,
+    ) {
+        for one in self.expected(album, pose, size_px) {
+            if searched.sights.iter().any(|sight| sight.landmark == one.landmark) {
+                continue;
+            }
+            let result =
+                frame.find(&one.look, &Search::in_box(one.region_px, one.scale, Interval::centred(0.0, TURN_RAD)));
+            let is_in_view = |axis: usize| {
+                one.region_px[axis].lo() > BORDER_PX && one.region_px[axis].hi() < size_px[axis] - BORDER_PX
+            };
+            if result.is_ok() || notes && (0..2).all(is_in_view) {
+                album.note(one.landmark, &result);
+            }
+            searched.near_px.push(one.region_px.map(Interval::mid));
+            let Ok(sighting) = result else { continue };
+            searched.near_px.push(sighting.position_px);
+            let Some((at_px, error_px)) = self.lens.straightened(sighting.position_px, sighting.half_width_px) else {
+                continue;
+            };
+            searched.sights.push(Sight { landmark: one.landmark, point: one.point, at_px, error_px });
+            searched.claims.push(Claim::SpacePoint {
+                landmark: one.landmark,
+                point: one.point,
+                at_px: sighting.position_px,
+                half_width_px: sighting.half_width_px,
+            });
+        }
+    }
+
+    /// The landmarks that a picture from a pose within a box may show, the most promising ones first.
+    fn expected(&self, album: &Album, pose: &PoseBox, size_px: [f64; 2]) -> Vec<Expected> {
+        let expected = |(landmark, entry): (LandmarkId, &Entry)| {
+            let point = entry.point;
+            if !self.is_seen_alike(&entry.point, pose) {
+                return None;
+            }
+            let ray = self.optics.ray(pose, &point);
+            let region_px = self.lens.shown(ray)?;
+            let is_in_view = (0..2).all(|axis| {
+                let side = region_px[axis];
+                side.hi() > 0.0 && side.lo() < size_px[axis] && side.width() <= WIDEST_SEARCH_PX
+            });
+            let length = |[a, b, c]: [Interval; 3]| (a.sqr() + b.sqr() + c.sqr()).sqrt();
+            let ratio = length([Interval::ONE, point.value[0], point.value[1]]) / length(ray);
+            let slack = Interval::new(1.0 - SIZE_SLACK, 1.0 + SIZE_SLACK);
+            let scale = (ratio * slack).intersect(Interval::new(1.0 / GREATEST_RATIO, GREATEST_RATIO));
+            let (look, n_failures) = (Arc::clone(&entry.look), entry.record.n_failures);
+            (is_in_view && !scale.is_empty()).then_some(Expected {
+                landmark,
+                look,
+                point,
+                region_px,
+                scale,
+                n_failures,
+            })
+        };
+        let mut all: Vec<Expected> = album.searched().filter_map(expected).collect();
+        let area = |one: &Expected| one.region_px[0].width() * one.region_px[1].width();
+        let failing = |one: &Expected| one.n_failures / 5;
+        all.sort_by(|a, b| {
+            failing(a).cmp(&failing(b)).then(area(a).total_cmp(&area(b))).then(a.landmark.cmp(&b.landmark))
+        });
+        all.truncate(MOST_SEARCHED);
+        all
+    }
+
+    /// Whether a landmark is seen from nearly the direction and the distance from which it was first seen, if it is as far away as it may be or as the
+    /// middle of its box. The middle alone would be too near for a landmark of which little is known.
+    fn is_seen_alike(&self, point: &SpacePoint, pose: &PoseBox) -> bool {
+        let [alpha, beta, rho] = point.value;
+        let [i, j] = point.anchor.sides();
+        let mut first = [point.anchor.sign(); 3];
+        (first[i], first[j]) = (alpha.mid(), beta.mid());
+        let eye_m = [pose[0].mid(), pose[1].mid(), self.optics.camera.height_m.mid()];
+        let (sin, cos) = (pose[2].mid() + self.optics.camera.yaw_rad.mid()).sin_cos();
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        [rho.lo(), rho.mid()].into_iter().any(|rho| {
+            let now = [0, 1, 2].map(|k| first[k] + rho * (point.anchor.from_m[k] - eye_m[k]));
+            let lengths = [dot(first, first).sqrt(), dot(now, now).sqrt()];
+            let is_ahead = cos * now[0] + sin * now[1] > 0.0;
+            let is_near = (1.0 / GREATEST_RATIO..=GREATEST_RATIO).contains(&(lengths[0] / lengths[1].max(1e-9)));
+            is_ahead && is_near && dot(first, now) >= LEAST_COSINE * lengths[0] * lengths[1]
+        })
+    }
+}

@@ -1,0 +1,324 @@
+//! The method by pictures of the camera that looks ahead: landmarks are surface points that are known by their looks.
+//!
+//! **Seeing.** In each picture the known landmarks are searched ([`point_features`](crate::vision::point_features)) where the box of the pose and the
+//! landmark's box allow them to be. A sighting is an image point with a claimed greatest error. Image points are straightened by the calibrated lens
+//! and make the same rows as those of a point camera.
+//!
+//! **Wrong sightings.** A sighting is true if a point of the landmark's box is seen within the claimed error, and false otherwise: where something
+//! else looks like the landmark, where the landmark is no point of a surface, as where one edge passes behind another, and where its box is wrong. Of
+//! the sightings of a picture a declared number may be false ([`Quotas`]). Poses stay on which all others agree (`groups`). No sighting is certain by
+//! itself, so that none becomes a row of the graph of key frames.
+//!
+//! **Learning.** Where few landmarks are seen, new ones are made of the picture's corners (`album`).
+
+use std::{collections::VecDeque, sync::Arc};
+
+use crate::{
+    PoseBox, PoseUnion, Reading,
+    bounds::{self, Assumption},
+    graph::{Stray, is_linear_over},
+    map::SpacePoint,
+    method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
+    quota::{Quota, share_of},
+    reading::{Camera, LandmarkId},
+    robot::{ForwardCameraModel, RobotModel},
+    vision::point_features::{Frame, ImageBounds, Landmark},
+};
+
+use super::{
+    super::wall_bearings::CameraPlace,
+    Learning, PointCameraModel, RECENT_S,
+    album::Album,
+    finding::{Finder, Searched},
+    groups::ByGroups,
+    lens::PictureLens,
+    ray::Optics,
+    relate::Sight,
+};
+
+/// Declared bounds that a constraint from landmarks in pictures relies on.
+const RELIES_ON: [Assumption; 12] = [
+    bounds::FORWARD_CAMERA_FOCAL,
+    bounds::FORWARD_CAMERA_PRINCIPAL_POINT,
+    bounds::FORWARD_CAMERA_DISTORTION,
+    bounds::FORWARD_CAMERA_POSITION,
+    bounds::FORWARD_CAMERA_HEIGHT,
+    bounds::FORWARD_CAMERA_YAW,
+    bounds::FORWARD_CAMERA_TILT,
+    bounds::FORWARD_CAMERA_STAMP,
+    bounds::BODY_TILT,
+    bounds::BODY_HEAVE,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
+];
+
+/// Greatest number of sightings of a picture that are used; those of landmarks that are known best are.
+const MOST_USED: usize = 18;
+/// Widths of the box of a pose, in metres and in radians, above which some landmarks are searched before the others, and the least number of them
+/// that tells where the others are.
+const VAGUE_M: f64 = 0.08;
+const VAGUE_RAD: f64 = 0.03;
+const FEWEST_FIRST: usize = 4;
+/// Number of landmarks found in a picture below which new ones are made of it.
+const ENOUGH: usize = 30;
+/// Greatest number of new landmarks that one picture is asked for, known ones included.
+const MOST_NEW: usize = 60;
+/// Least distance, in pixels, of a new landmark from known ones: about the radius of a patch.
+const APART_PX: f64 = 14.0;
+/// Least distance of the robot, in metres, and least turn, in radians, between two pictures from which landmarks are learnt.
+const NEW_PLACE_M: f64 = 0.12;
+const NEW_PLACE_RAD: f64 = 0.08;
+/// Greatest width of the box of a pose, in metres and in radians, from which landmarks are learnt.
+const KNOWN_M: f64 = 0.25;
+const KNOWN_RAD: f64 = 0.06;
+/// Least depth, in metres, with which a new landmark begins. A nearer one is outside of its box, and its sightings are false.
+const LEAST_DEPTH_M: f64 = 0.4;
+/// Tangent of the greatest slant of surfaces that show landmarks, 50°.
+const SLANT: f64 = 1.2;
+/// Noise of a camera of a home robot in a room: standard deviation in darkness, in grey levels, and electrons per grey level.
+const DARK_NOISE_GREY: f64 = 1.0;
+const ELECTRONS_PER_GREY: f64 = 20.0;
+
+/// Declared greatest number of a picture's sightings that may be false.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quotas {
+    /// Share of a picture's sightings that may be false.
+    pub wrong_share: f64,
+    /// Number of a picture's sightings that may be false in addition.
+    pub wrong_items: usize,
+}
+
+impl Default for Quotas {
+    fn default() -> Self {
+        Quotas { wrong_share: 0.05, wrong_items: 1 }
+    }
+}
+
+impl Quotas {
+    /// Greatest number of so many sightings that may be false.
+    fn wrong_of(&self, n_sightings: usize) -> usize {
+        share_of(self.wrong_share, n_sightings) + self.wrong_items
+    }
+}
+
+/// What is known from earlier drives: landmarks in space, and how they look.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KnownLandmarks<'a> {
+    /// Landmarks in space.
+    pub points: &'a [(LandmarkId, SpacePoint)],
+    /// How they look.
+    pub looks: &'a [(LandmarkId, Landmark)],
+}
+
+/// Method that localizes the robot by landmarks in pictures of the camera that looks ahead.
+pub struct PicturedLandmarks {
+    finder: Finder,
+    images: ImageBounds,
+    stray: Stray,
+    quotas: Quotas,
+    learning: Learning,
+    album: Album,
+    /// Middle of the box of the pose from whose picture landmarks were learnt last.
+    learnt_at: Option<[f64; 3]>,
+    latest: Option<Seen>,
+    /// Recent pictures, from which constraints can be made anew: stamp, sightings, and how many of them may be false.
+    recent: VecDeque<(f64, Vec<Sight>, usize)>,
+}
+
+/// What a picture showed, from which landmarks are still to be learnt.
+struct Seen {
+    stamp_s: f64,
+    found: Vec<Sight>,
+    new: Vec<Landmark>,
+}
+
+impl PicturedLandmarks {
+    /// Makes the method for a camera at a place on a robot.
+    pub fn new(
+        camera: ForwardCameraModel,
+        place: CameraPlace,
+        robot: &RobotModel,
+        known: KnownLandmarks,
+        learning: Learning,
+        quotas: Quotas,
+    ) -> PicturedLandmarks {
+        let pinhole = PointCameraModel {
+            focal_px: camera.focal_px,
+            centre_px: camera.principal_point_px,
+            tilt_up_rad: camera.tilt_up_rad,
+            yaw_rad: camera.yaw_rad,
+            tilt_rad: camera.tilt_error_rad,
+            position_m: place.position_m,
+            height_m: place.height_m,
+            error_px: 0.0,
+            least_depth_m: LEAST_DEPTH_M,
+            stamp_error_s: camera.stamp_error_s,
+        };
+        PicturedLandmarks {
+            finder: Finder { lens: PictureLens::new(&camera), optics: Arc::new(Optics::new(pinhole, robot.body)) },
+            images: ImageBounds {
+                focal_px: camera.focal_px.mid(),
+                slant: SLANT,
+                dark_noise_grey: DARK_NOISE_GREY,
+                electrons_per_grey: ELECTRONS_PER_GREY,
+            },
+            stray: Stray::by_reach(camera.stamp_error_s, &robot.reach),
+            quotas,
+            learning,
+            album: Album::of(known.points, known.looks),
+            learnt_at: None,
+            latest: None,
+            recent: VecDeque::new(),
+        }
+    }
+
+    /// Whether the robot has moved or turned far enough since landmarks were learnt last.
+    fn is_new_place(&self, pose: &PoseBox) -> bool {
+        self.learnt_at.is_none_or(|last| {
+            let [x_m, y_m, turned_rad] = [0, 1, 2].map(|axis| pose[axis].mid() - last[axis]);
+            x_m.hypot(y_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
+        })
+    }
+
+    /// The contractor of sightings of which a number may be false.
+    fn by_sights(&self, sights: &[Sight], most_wrong: usize) -> ByGroups {
+        ByGroups::new(&self.finder.optics, self.stray, sights, most_wrong)
+    }
+}
+
+impl Method for PicturedLandmarks {
+    fn name(&self) -> &'static str {
+        "mapped_landmarks"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Camera { camera: Camera::Forward, .. })
+    }
+
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
+        let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
+        let mut pose = self.stray.around(&context.prior.hull());
+        if !is_linear_over(&pose) {
+            return None;
+        }
+        let size_px = [image.width(), image.height()].map(f64::from);
+        let images = self.images;
+        let mut frame = Frame::new(image, &images);
+        let mut search = Searched::default();
+        // Where little is known, some landmarks tell where the others are. That matters to what is found, and not to whether it is right.
+        let is_vague = pose.width(0).max(pose.width(1)) > VAGUE_M || pose.width(2) > VAGUE_RAD;
+        if is_vague {
+            self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, false);
+            if search.sights.len() >= FEWEST_FIRST {
+                let most_wrong = self.quotas.wrong_of(search.sights.len());
+                let known = self.by_sights(&search.sights, most_wrong).roughly(&pose);
+                pose = if known.is_empty() { pose } else { known };
+            }
+        }
+        self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, true);
+        let Searched { sights, claims, near_px } = search;
+        let mut new = Vec::new();
+        let learns = self.learning != Learning::Never && self.is_new_place(&pose);
+        if learns && sights.len() < ENOUGH {
+            let is_apart = |landmark: &Landmark| {
+                let [u, v] = landmark.position_px();
+                near_px.iter().all(|[near_u, near_v]| (u - near_u).hypot(v - near_v) >= APART_PX)
+            };
+            new = frame.landmarks(MOST_NEW);
+            new.retain(is_apart);
+            new.truncate(ENOUGH - sights.len());
+        }
+        if learns {
+            self.latest = Some(Seen { stamp_s: *measured_s, found: sights.clone(), new });
+        }
+        if sights.is_empty() {
+            // Learning follows a constraint, though one that says nothing.
+            return learns.then(|| Constraint {
+                decides: false,
+                ..Constraint::new(self.name(), *measured_s, self.by_sights(&[], 1))
+            });
+        }
+        let mut used: Vec<usize> = (0..sights.len()).collect();
+        used.sort_by(|&a, &b| sights[a].better_known_first(&sights[b]));
+        used.truncate(MOST_USED);
+        let (sights, claims): (Vec<Sight>, Vec<Claim>) =
+            used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
+        let most_wrong = self.quotas.wrong_of(sights.len());
+        let on_pose = self.by_sights(&sights, most_wrong);
+        self.recent.push_back((*measured_s, sights, most_wrong));
+        self.recent.retain(|(stamp_s, ..)| *stamp_s > measured_s - RECENT_S);
+        Some(Constraint {
+            relies_on: RELIES_ON.to_vec(),
+            decides: on_pose.says_something(),
+            claims,
+            quota: Quota::of_each(most_wrong),
+            ..Constraint::new(self.name(), *measured_s, on_pose)
+        })
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for PicturedLandmarks {
+    /// The constraint of a picture by what is left of its landmarks: some of it may have been unlearnt since.
+    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
+        let (_, sights, most_wrong) = self.recent.iter().rev().find(|(recent_s, ..)| *recent_s == stamp_s)?;
+        let again = |sight: &Sight| {
+            let mut point = self.album.point(sight.landmark)?;
+            // What was learnt of the landmark after the picture was not claimed of it.
+            (0..3).for_each(|k| point.value[k] = point.value[k].hull(sight.point.value[k]));
+            Some(Sight { point, ..*sight })
+        };
+        let sights: Vec<Sight> = sights.iter().filter_map(again).collect();
+        Some(Box::new(self.by_sights(&sights, *most_wrong)))
+    }
+
+    fn forget_since(&mut self, since_s: f64) {
+        self.album.forget_since(since_s);
+        self.latest = None;
+    }
+
+    fn clock_set_back(&mut self) {
+        self.album.begin_anew();
+        self.latest = None;
+        self.learnt_at = None;
+        self.recent.clear();
+    }
+
+    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
+        let Some(Seen { stamp_s, found, new }) = self.latest.take() else { return };
+        // The pose that the picture shows.
+        let shown = self.stray.around(&posterior.hull());
+        let is_known = shown.width(0).max(shown.width(1)) <= KNOWN_M && shown.width(2) <= KNOWN_RAD;
+        if shown.is_empty() || !is_known {
+            return;
+        }
+        self.learnt_at = Some([0, 1, 2].map(|axis| shown[axis].mid()));
+        // The place at which a landmark was first seen has no error of its own, but the lens model has.
+        let mut first = Vec::new();
+        for look in new {
+            let straight = self.finder.lens.straightened(look.position_px(), [0.0; 2]);
+            if let Some((at_px, error_px)) = straight
+                && let Some(point) = self.finder.optics.first_seen(&shown, at_px, error_px)
+                && let Some(landmark) = self.album.add(look, point, stamp_s)
+            {
+                first.push(Sight { landmark, point, at_px, error_px });
+            }
+        }
+        self.album.learn(stamp_s, &shown, [&found, &first], &self.finder.optics, self.learning == Learning::Teaches);
+    }
+
+    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        self.album.kept().map(|(landmark, entry)| (landmark, entry.point)).collect()
+    }
+
+    fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
+        self.album.kept().map(|(landmark, entry)| (landmark, (*entry.look).clone())).collect()
+    }
+}

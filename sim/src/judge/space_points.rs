@@ -1,0 +1,143 @@
+//! Decides whether a point in space is where a method claims to have seen it.
+
+use localizer::map::SpacePoint;
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::{devices::camera::world_from_camera, optics::Lens, scene::Scene, truth::Truth, world::Drawn};
+
+/// Rounding errors that are allowed for, in the unit of the numbers that describe a landmark.
+const ROUNDING: f64 = 1e-9;
+
+/// A half-space of the three numbers that describe a landmark: those at which the scalar product with `slopes` is at least `least`.
+struct Half {
+    slopes: Vector3<f64>,
+    least: f64,
+}
+
+/// Whether the true forward camera shows some point of a landmark's box within a half width of a pixel along u and along v; `None` where there is no
+/// forward camera, or the lens shows no such pixel.
+///
+/// The box is one of the slopes α and β and the inverse depth ρ from an anchor A. With C the optical centre, the direction from the camera to the
+/// point, times ρ, is d(α, β) + ρ·(A − C), which is linear in the three. The pixels within the half widths are a cone of four planes through the
+/// optical centre: those planes and the sides of the box are half-spaces of (α, β, ρ), and the claim holds if they have a point in common. If they
+/// have, then also a corner, which is on three of the planes.
+pub(super) fn is_seen(
+    point: &SpacePoint,
+    at_px: [f64; 2],
+    half_width_px: [f64; 2],
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<bool> {
+    let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.devices.forward_camera.as_ref()?);
+    let (lens, world_from_camera) = (Lens::of(camera, mount), world_from_camera(truth, mount));
+    let ray = |[du, dv]: [f64; 2]| {
+        let [x, y] = lens.ray([at_px[0] + du * half_width_px[0], at_px[1] + dv * half_width_px[1]])?;
+        Some(world_from_camera.rotation * Vector3::new(x, y, 1.0))
+    };
+    let corners = [ray([-1.0, -1.0])?, ray([1.0, -1.0])?, ray([1.0, 1.0])?, ray([-1.0, 1.0])?];
+    let middle = ray([0.0, 0.0])?;
+    let anchor = &point.anchor;
+    let from_eye = Point3::from(anchor.from_m) - world_from_camera * Point3::origin();
+    let [i, j] = anchor.sides();
+    let mut halves = Vec::new();
+    for (k, corner) in corners.iter().enumerate() {
+        let across = corner.cross(&corners[(k + 1) % 4]);
+        let inward = across.normalize() * across.dot(&middle).signum();
+        let slopes = Vector3::new(inward[i], inward[j], inward.dot(&from_eye));
+        halves.push(Half { slopes, least: -inward[anchor.axis] * anchor.sign() });
+    }
+    for (k, value) in point.value.iter().enumerate() {
+        let along = Vector3::ith(k, 1.0);
+        halves.push(Half { slopes: along, least: value.lo() });
+        halves.push(Half { slopes: -along, least: -value.hi() });
+    }
+    Some(have_common_point(&halves))
+}
+
+/// Whether some half-spaces that together are bounded have a point in common.
+fn have_common_point(halves: &[Half]) -> bool {
+    let n = halves.len();
+    let is_common = |at: Vector3<f64>| {
+        halves.iter().all(|half| half.slopes.dot(&at) >= half.least - ROUNDING * (1.0 + half.slopes.norm()))
+    };
+    let corner = |a: usize, b: usize, c: usize| {
+        let rows = [a, b, c].map(|k| halves[k].slopes.transpose());
+        let sides = Vector3::from([a, b, c].map(|k| halves[k].least));
+        Some(Matrix3::from_rows(&rows).try_inverse()? * sides)
+    };
+    let triples = (0..n).flat_map(|a| (a + 1..n).flat_map(move |b| (b + 1..n).map(move |c| [a, b, c])));
+    triples.filter_map(|[a, b, c]| corner(a, b, c)).any(is_common)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use interval::Interval;
+    use localizer::map::Anchor;
+
+    use super::*;
+
+    /// A robot at the origin that looks along x with a camera of 400 px focal length, 0.3 m above the floor and level.
+    fn scene() -> Scene {
+        let text = "
+            description = \"a camera\"
+            duration_s = 1.0
+            room = { width_m = 6.0, depth_m = 6.0 }
+            start = { x_m = 3.0, y_m = 3.0 }
+            localizer.methods = []
+            [route]
+            waypoint = [{ x_m = 4.0, y_m = 3.0 }]
+            [robot]
+            floor_camera = false
+            [robot.forward_camera]
+            width_px = 640
+            height_px = 480
+            horizontal_view_deg = 77.31961650818018
+            tilt_up_deg = 0.0
+            forward_m = 0.0
+            height_m = 0.3
+            calibration = { position_tolerance_m = 0.0, angle_tolerance_deg = 0.0, focal_tolerance = 0.0, \
+                            principal_point_tolerance_px = 0.0, distortion_tolerance_px = 0.0 }
+        ";
+        Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+    }
+
+    #[test]
+    fn a_box_is_seen_where_a_point_of_it_is_projected_and_nowhere_else() {
+        let scene = scene();
+        let drawn = Drawn::draw(&scene, 0);
+        let truth = Truth::default();
+        // From (0, 0, 0.3) the landmark is 2 m ahead, 0.2 m to the left and 0.1 m up: 400 px · 0.1 to the left, and 400 px · 0.05 up.
+        let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
+        let point = |half: f64| SpacePoint { anchor, value: [0.1, 0.05, 0.5].map(|at| Interval::centred(at, half)) };
+        let seen =
+            |half: f64, at_px: [f64; 2]| is_seen(&point(half), at_px, [0.5, 0.5], &scene, &drawn, &truth).unwrap();
+        let middle = [319.5 - 40.0, 239.5 - 20.0];
+        assert!(seen(1e-9, middle) && seen(1e-9, [middle[0] + 0.49, middle[1] - 0.49]));
+        assert!(!seen(1e-9, [middle[0] + 0.51, middle[1]]) && !seen(1e-9, [middle[0], middle[1] - 0.51]));
+        // A slope that is known to 0.01 moves it by 4 px at most.
+        assert!(seen(0.01, [middle[0] + 4.4, middle[1]]) && !seen(0.01, [middle[0] + 4.6, middle[1]]));
+        // What is behind the camera is not seen, though its image would be there.
+        let behind =
+            SpacePoint { anchor: Anchor { is_positive: false, ..anchor }, value: point(1e-9).value.map(|at| -at) };
+        let behind = SpacePoint { value: [behind.value[0], behind.value[1], -behind.value[2]], ..behind };
+        assert_eq!(is_seen(&behind, middle, [0.5, 0.5], &scene, &drawn, &truth), Some(false));
+    }
+
+    #[test]
+    fn from_another_place_the_depth_counts() {
+        let scene = scene();
+        let drawn = Drawn::draw(&scene, 0);
+        // 1 m further left, the landmark is 0.8 m to the right of a camera 2 m away: 160 px to the right.
+        let mut truth = Truth::default();
+        truth.pose.y_m = 1.0;
+        let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
+        let point = |rho: Interval| SpacePoint { anchor, value: [Interval::point(0.1), Interval::point(0.05), rho] };
+        let seen = |rho, at_px| is_seen(&point(rho), at_px, [0.5, 0.5], &scene, &drawn, &truth).unwrap();
+        let at_px = [319.5 + 160.0, 239.5 - 20.0];
+        assert!(seen(Interval::point(0.5), at_px) && !seen(Interval::point(0.51), at_px));
+        assert!(seen(Interval::new(0.0, 0.6), at_px) && seen(Interval::new(0.0, 0.6), [319.5 - 40.0, at_px[1]]));
+        assert!(!seen(Interval::new(0.0, 0.4), at_px));
+    }
+}
