@@ -17,8 +17,8 @@ pub struct MappedLandmarksSetup {
     /// Whether the localizer learns where landmarks are, those of the map and others.
     pub learns: bool,
     /// Whether images of the whole drive are kept, and the map that a run leaves is made of all of them at its end; `wherein teach` sets it.
-    /// Otherwise the map is what was learnt on the way. In pictures of the forward
-    /// camera, landmarks are then bounded by windows of twelve pictures together. Without effect where `learns` is false.
+    /// Otherwise the map is what was learnt on the way. In pictures of the forward camera, landmarks are then bounded by windows of twelve pictures
+    /// together. Without effect where `learns` is false.
     pub teaches: bool,
     /// For landmarks that are seen in pictures of the forward camera: greatest share of a picture's sightings that may be false, as where something
     /// else looks like the landmark, or where the landmark is not where the map has it. Unless given, it is 0.05.
