@@ -35,6 +35,7 @@ const LEAST_COSINE: f64 = 0.75;
 const GREATEST_RATIO: f64 = 2.0;
 /// Distance from the picture's border, in pixels, within which a landmark is not missed: its patch is not wholly in view.
 const BORDER_PX: f64 = 24.0;
+
 /// Where a landmark is searched in a picture.
 struct Expected {
     landmark: LandmarkId,
