@@ -72,6 +72,21 @@ struct Source {
     towards: [u16; 2],
 }
 
+impl Source {
+    /// Grey level at the source, interpolated bilinearly between the raw pixels, row-major, with `stride` of them in a row.
+    #[inline(always)]
+    fn grey(self, pixels: &[u8], stride: usize) -> u8 {
+        let corner = self.corner as usize;
+        let [right, down] = self.towards.map(u32::from);
+        let along = |first: usize| {
+            let two = &pixels[first..first + 2];
+            u32::from(two[0]) * (256 - right) + u32::from(two[1]) * right
+        };
+        let sum = along(corner) * (256 - down) + along(corner + stride) * down;
+        ((sum + (1 << 15)) >> 16) as u8
+    }
+}
+
 /// Least factor by which the lens may shrink what the straightened image shows. Below it the polynomial is about to
 /// fold back, and one raw pixel would be spread over five.
 const LEAST_SLOPE: f64 = 0.2;
@@ -88,7 +103,7 @@ fn rounded(at_px: f64) -> u32 {
 }
 
 /// A position in 2⁻³² pixels, in 256ths of a pixel.
-#[inline]
+#[inline(always)]
 fn rounded_parts(at: i64) -> u32 {
     ((at + (1 << 23)) >> 24).max(0) as u32
 }
@@ -164,7 +179,7 @@ impl Straightening {
 
     /// The source at a position in the raw image in 256ths of a pixel. A position on the last raw pixel of a row or column has no neighbour beyond it;
     /// it is interpolated from the pixel before with full weight on the last one.
-    #[inline]
+    #[inline(always)]
     fn source(&self, rounded: [u32; 2]) -> Source {
         let first = [0, 1].map(|axis| (rounded[axis] / 256).min(self.raw_size_px[axis] - 2));
         let towards = [0, 1].map(|axis| (rounded[axis] - 256 * first[axis]).min(256) as u16);
@@ -176,23 +191,18 @@ impl Straightening {
         if [raw.width(), raw.height()] != self.raw_size_px {
             return GrayImage::default();
         }
-        let (pixels, stride) = (raw.as_raw(), self.raw_size_px[0] as usize);
-        let grey = |source: Source| {
-            let corner = source.corner as usize;
-            let [right, down] = source.towards.map(u32::from);
-            let along = |first: usize| u32::from(pixels[first]) * (256 - right) + u32::from(pixels[first + 1]) * right;
-            let sum = along(corner) * (256 - down) + along(corner + stride) * down;
-            ((sum + (1 << 15)) >> 16) as u8
-        };
+        let (pixels, stride) = (raw.as_raw().as_slice(), self.raw_size_px[0] as usize);
         let [columns, rows] = self.kept_px();
         let greys = match &self.sources {
-            Sources::Kept(sources) => sources.iter().map(|source| grey(*source)).collect(),
+            Sources::Kept(sources) => sources.iter().map(|source| source.grey(pixels, stride)).collect(),
             Sources::Between(grid) => {
-                let mut greys = Vec::with_capacity(columns.len() * rows.len());
+                let mut greys = vec![0; columns.len() * rows.len()];
                 let mut parts = vec![[0; 2]; columns.len()];
-                for v in rows.clone() {
+                for (v, row) in rows.clone().zip(greys.chunks_exact_mut(columns.len().max(1))) {
                     grid.places(v, columns.start, &mut parts);
-                    greys.extend(parts.iter().map(|parts| grey(self.source(parts.map(rounded_parts)))));
+                    for (grey, parts) in row.iter_mut().zip(&parts) {
+                        *grey = self.source(parts.map(rounded_parts)).grey(pixels, stride);
+                    }
                 }
                 greys
             }

@@ -8,9 +8,32 @@ pub(super) struct Level<'a> {
     needed: usize,
     /// Greatest |x| of the points, which is the greatest rate at which the line's allowed intercepts move with its slope.
     reach_px: f64,
-    /// Lower and upper ends of the intervals of intercepts, one interval per point, for which a line is within the point's bound; the memory is kept
-    /// between sweeps.
-    ends: RefCell<[Vec<f64>; 2]>,
+    /// Lower and upper ends of the intervals of intercepts, one interval per point, for which a line is within the point's bound; both ascending, as
+    /// the last sweep left them.
+    ends: RefCell<[Vec<End>; 2]>,
+}
+
+/// End of the interval of intercepts that a point allows.
+#[derive(Clone, Copy)]
+struct End {
+    intercept_px: f64,
+    /// Index of the point.
+    point: usize,
+}
+
+/// Moves ends to the intercepts that `at` gives for each point, and puts them in ascending order.
+///
+/// From one range of slopes to the next one few ends change places, so that sorting by insertion takes hardly more than one step for each of them.
+fn move_ends(ends: &mut [End], at: impl Fn(usize) -> f64) {
+    for index in 0..ends.len() {
+        let end = End { intercept_px: at(ends[index].point), ..ends[index] };
+        let mut place = index;
+        while place > 0 && ends[place - 1].intercept_px.total_cmp(&end.intercept_px).is_gt() {
+            ends[place] = ends[place - 1];
+            place -= 1;
+        }
+        ends[place] = end;
+    }
 }
 
 /// A leaf of the bisection: a range of slopes `[from, to]` and the range of intercepts `[least, greatest]` of all lines in question with slopes in
@@ -24,7 +47,14 @@ pub(super) struct Leaf {
 impl<'a> Level<'a> {
     pub(super) fn new(points: &'a [[f64; 3]], needed: usize) -> Self {
         let reach_px = points.iter().map(|point| point[0].abs()).fold(0.0, f64::max);
-        Level { points, needed, reach_px, ends: RefCell::default() }
+        let ends = |from_px: f64| -> Vec<End> {
+            let mut ends: Vec<End> = (0..points.len())
+                .map(|point| End { intercept_px: points[point][1] + from_px * points[point][2], point })
+                .collect();
+            ends.sort_unstable_by(|one, other| one.intercept_px.total_cmp(&other.intercept_px));
+            ends
+        };
+        Level { points, needed, reach_px, ends: RefCell::new([ends(-1.0), ends(1.0)]) }
     }
 
     /// Divides a range of slopes into small ranges (leaves), by ascending slope, and drops those that no line near enough to the points has. The
@@ -56,32 +86,33 @@ impl<'a> Level<'a> {
     /// A point allows a line the intercepts `y − m·x ± bound`; over a range of slopes this is one interval. A sweep over the ends of these intervals
     /// finds where enough of them overlap: the number of intervals that cover `b` is the number that have begun less the number that have ended.
     fn intercepts(&self, slope: [f64; 2]) -> Option<[f64; 2]> {
-        let [lower, upper] = &mut *self.ends.borrow_mut();
-        lower.clear();
-        upper.clear();
-        for &[x, y, bound_px] in self.points {
+        let allowed = |point: usize| {
+            let [x, y, bound_px] = self.points[point];
             let (a, b) = (y - slope[0] * x, y - slope[1] * x);
             let (least, greatest) = (a.min(b) - bound_px, a.max(b) + bound_px);
-            // No line is within a negative bound of a point.
-            if least <= greatest {
-                lower.push(least);
-                upper.push(greatest);
-            }
+            // No line is within a negative bound of a point: its interval goes to the end of both lists, and is left out.
+            if least <= greatest { [least, greatest] } else { [f64::INFINITY; 2] }
+        };
+        let mut ends = self.ends.borrow_mut();
+        for (which, ends) in ends.iter_mut().enumerate() {
+            move_ends(ends, |point| allowed(point)[which]);
         }
-        lower.sort_unstable_by(f64::total_cmp);
-        upper.sort_unstable_by(f64::total_cmp);
+        let [lower, upper] = ends.each_ref().map(|ends| {
+            let n_left = ends.partition_point(|end| end.intercept_px < f64::INFINITY);
+            &ends[..n_left]
+        });
         let mut ended = 0;
-        let least = lower.iter().enumerate().find(|&(begun, &b)| {
-            ended += upper[ended..].iter().take_while(|&&end| end < b).count();
+        let least = lower.iter().map(|end| end.intercept_px).enumerate().find(|&(begun, b)| {
+            ended += upper[ended..].iter().take_while(|end| end.intercept_px < b).count();
             begun + 1 - ended >= self.needed
         });
         let mut not_begun = 0;
         let count = lower.len();
-        let greatest = upper.iter().rev().enumerate().find(|&(not_ended, &b)| {
-            not_begun += lower[..count - not_begun].iter().rev().take_while(|&&begin| begin > b).count();
+        let greatest = upper.iter().rev().map(|end| end.intercept_px).enumerate().find(|&(not_ended, b)| {
+            not_begun += lower[..count - not_begun].iter().rev().take_while(|begin| begin.intercept_px > b).count();
             not_ended + 1 - not_begun >= self.needed
         });
-        Some([*least?.1, *greatest?.1])
+        Some([least?.1, greatest?.1])
     }
 
     /// Least (or greatest) slope, within a given range, that a line near enough to the points may have, found to an eighth of the range's width.

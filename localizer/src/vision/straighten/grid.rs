@@ -86,16 +86,21 @@ impl Grid {
         (0..self.columns).map(move |column| Node::within(rows.map(|row| &row[column]), share))
     }
 
-    /// What is at shares of the way through a cell, along a row and along a column.
-    fn within(&self, [column, row]: [usize; 2], shares: [f64; 2]) -> Node {
-        let across = [0, 1, 2].map(|right| {
+    /// The nodes of a cell along a row of pixels, given the share of the way through the cell at which the row is.
+    fn across_cell(&self, [column, row]: [usize; 2], share: f64) -> [Node; 3] {
+        [0, 1, 2].map(|right| {
             let nodes = [0, 1, 2].map(|down| &self.nodes[(2 * row + down) * self.columns + 2 * column + right]);
-            Node::within(nodes, shares[1])
-        });
-        Node::within([&across[0], &across[1], &across[2]], shares[0])
+            Node::within(nodes, share)
+        })
+    }
+
+    /// What is at shares of the way through a cell, along a row and along a column.
+    fn within(&self, cell: [usize; 2], [along, down]: [f64; 2]) -> Node {
+        Node::within(self.across_cell(cell, down).each_ref(), along)
     }
 
     /// What a pixel is taken from.
+    #[cfg(test)]
     pub(super) fn node(&self, [u, v]: [u32; 2]) -> Node {
         let ((column, along), (row, down)) = (self.place(0, u), self.place(1, v));
         self.within([column, row], [along, down])
@@ -151,9 +156,11 @@ impl Grid {
                 let is_last = cell + 1 == cells[axis];
                 cell * self.cell_px..if is_last { self.size_px[axis] } else { (cell + 1) * self.cell_px }
             });
-            let pixels = vs.flat_map(|v| us.clone().map(move |u| [u, v]));
-            let hidden = pixels.filter(|&pixel| !is_shown(&self.node(pixel)));
-            without.extend(hidden.map(|pixel| pixel.map(f64::from)));
+            for v in vs {
+                let across = self.across_cell([column as usize, row as usize], self.place(1, v).1);
+                let is_hidden = |&u: &u32| !is_shown(&Node::within(across.each_ref(), self.place(0, u).1));
+                without.extend(us.clone().filter(is_hidden).map(|u| [u, v].map(f64::from)));
+            }
         }
         without
     }
