@@ -35,6 +35,8 @@ fn main() {
         forward_frames();
         rolling_frames();
         people_in_a_hall();
+        supermarket();
+        home();
     }
     light_maps();
     views();
@@ -111,11 +113,18 @@ fn runs() {
     line("rendering and sensor, an image of 640 × 480", per_image(|record| record.timing.render_s), "ms", "");
 }
 
-/// A localizer whose time for each wheel reading is measured, with all other readings that arrived since the one before.
+/// A localizer whose time for each wheel reading is measured, with all other readings but pictures that arrived since the one before.
 struct Timed {
     subject: IntervalLocalizer,
     now_s: f64,
     steps_s: Vec<f64>,
+    pictures_s: f64,
+}
+
+impl Timed {
+    fn of(scene: &Scene) -> Self {
+        Timed { subject: IntervalLocalizer::of(scene), now_s: 0.0, steps_s: Vec::new(), pictures_s: 0.0 }
+    }
 }
 
 impl Subject for Timed {
@@ -126,7 +135,11 @@ impl Subject for Timed {
     fn observe(&mut self, reading: &Reading) {
         let began = Instant::now();
         self.subject.observe(reading);
-        self.now_s += began.elapsed().as_secs_f64();
+        let took_s = began.elapsed().as_secs_f64();
+        match reading {
+            Reading::Camera { .. } => self.pictures_s += took_s,
+            _ => self.now_s += took_s,
+        }
         if let Reading::Wheels { .. } = reading {
             self.steps_s.push(std::mem::take(&mut self.now_s));
         }
@@ -145,7 +158,7 @@ impl Subject for Timed {
 fn steps() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let scene = Scene::load(&root.join("scenes/papers/rigid_transform_loop.toml")).unwrap();
-    let mut timed = Timed { subject: IntervalLocalizer::of(&scene), now_s: 0.0, steps_s: Vec::new() };
+    let mut timed = Timed::of(&scene);
     run(&scene, 0, &mut timed, None, &RunOptions::default(), &mut |_| {}).unwrap();
     // The second half of the drive, with most key frames.
     let mut steps_s = timed.steps_s.split_off(timed.steps_s.len() / 2);
@@ -188,6 +201,43 @@ fn people_in_a_hall() {
         let per_image_ms = 1e3 * record.timing.render_s / n_images;
         line(&format!("a ceiling image of a hall, {what}"), per_image_ms, "ms", aim);
     }
+}
+
+/// Measures a drive through a supermarket among three people, and how long its first picture takes from the scene's file on. The layout of its markers
+/// is kept from the first time on.
+fn supermarket() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("scenes/rooms/supermarket.toml");
+    Scene::load(&file).unwrap();
+    let began = Instant::now();
+    let mut scene = Scene::load(&file).unwrap();
+    let (mut renderer, options) = (Renderer::new().unwrap(), RunOptions::default());
+    let mut drive_for = |duration_s: f64| {
+        scene.duration_s = duration_s;
+        let subject = &mut IntervalLocalizer::of(&scene);
+        run(&scene, 0, subject, Some(&mut renderer), &options, &mut |_| {}).unwrap()
+    };
+    drive_for(0.2);
+    line("a supermarket's first pictures", began.elapsed().as_secs_f64(), "s", "≤ 5");
+    let driven = drive_for(40.0);
+    line(
+        "a supermarket with three people",
+        driven.truths.last().unwrap().time_s / driven.timing.wall_s,
+        "× real time",
+        "≥ 1",
+    );
+}
+
+/// Measures a whole drive through the flat with all its cameras.
+fn home() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let scene = Scene::load(&root.join("scenes/home.toml")).unwrap();
+    let mut timed = Timed::of(&scene);
+    let mut renderer = Renderer::new().unwrap();
+    let driven = run(&scene, 0, &mut timed, Some(&mut renderer), &RunOptions::default(), &mut |_| {}).unwrap();
+    line("the flat, all cameras", driven.truths.last().unwrap().time_s / driven.timing.wall_s, "× real time", "≥ 4.5");
+    let n_steps = timed.steps_s.len() as f64;
+    line("  a step of the localizer, pictures aside", 1e3 * timed.steps_s.iter().sum::<f64>() / n_steps, "ms", "≤ 0.4");
+    line("  pictures, for each step of 10 ms", 1e3 * timed.pictures_s / n_steps, "ms", "");
 }
 
 /// Measures each step of the method `wall_directions`, which computes headings from edges in images of the forward camera, on images of a room at 0.1
