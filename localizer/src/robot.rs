@@ -314,6 +314,14 @@ pub struct ForwardCameraModel {
     pub tilt_error_rad: f64,
     /// Greatest error of a forward image's stamp (bound `forward_camera.stamp`).
     pub stamp_error_s: f64,
+    /// Position of the optical centre in the robot frame: forward and left (bound `forward_camera.position`).
+    pub position_m: [Interval; 2],
+    /// Height of the optical centre above the floor (bound `forward_camera.height`).
+    pub height_m: Interval,
+    /// Number of rows of an image.
+    pub height_px: u32,
+    /// Time from the exposure of one row to that of the next; 0 for a global shutter. The stamp is the middle of the middle row's exposure.
+    pub row_time_s: f64,
 }
 
 /// Model of a two-axis optical flow sensor that looks at the floor.

@@ -170,6 +170,8 @@ mod render_glints;
 mod rooms_felt;
 /// Tests of rooms and doors that cannot be, which are refused by the key that is wrong.
 mod rooms_refused;
+/// Drives whose camera that looks ahead has a rolling shutter, by what methods claim of edges in its images.
+mod rolling_shutters;
 /// Tests of walking people in images, row by row of a rolling shutter and at the image's border.
 mod render_walkers;
 /// Tests of cracks between rendered faces, and of light that defocus brings in from beyond the image's border.

@@ -5,7 +5,7 @@ use localizer::{
     Claim, Map, PoseBox, PoseUnion, RobotModel,
     method::Memory,
     methods::wall_directions::{Chain, IMAGES, Quotas, Setup, WallDirections},
-    robot::{BodyModel, ForwardCameraModel, Reach},
+    robot::{BodyModel, ErrorLaw, ForwardCameraModel, Reach, WheelModel},
     vision::forward::EdgeLine,
 };
 use nalgebra::{Rotation3, Vector3};
@@ -31,7 +31,17 @@ fn camera(distortion: [f64; 5]) -> ForwardCameraModel {
         yaw_rad: Interval::centred(0.0, YAW_ERROR_RAD),
         tilt_error_rad: TILT_ERROR_RAD,
         stamp_error_s: 0.0,
+        position_m: [Interval::ZERO; 2],
+        height_m: Interval::point(0.25),
+        height_px: 480,
+        row_time_s: 0.0,
     }
+}
+
+/// A robot of which nothing is asked but how it leans and moves.
+fn robot(body: BodyModel, reach: Reach) -> RobotModel {
+    let none = ErrorLaw { floor_m: 0.0, share: 0.0, m_per_s: 0.0 };
+    RobotModel { body, ..RobotModel::new(WheelModel::of_odometry(Interval::point(0.3), none, none), reach) }
 }
 
 /// The method for a building where long edges on the floor run along walls; it solves for the lean of robot and camera. By the chain of the paper,
@@ -50,7 +60,7 @@ fn method(directions_rad: &[f64], learns: bool) -> WallDirections {
     let body = BodyModel { tilt_rad: 0.0, heave_m: 0.0, clearance_m: 0.1 };
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let directions: Vec<Interval> = directions_rad.iter().map(|&direction| Interval::point(direction)).collect();
-    WallDirections::with(camera([0.0; 5]), &body, &reach, &directions, setup(learns))
+    WallDirections::with(camera([0.0; 5]), &robot(body, reach), &directions, setup(learns))
 }
 
 /// A camera as it truly is: focal length, principal point, distortion, and the rotation from the robot's frame (x forward, y left, z up).
@@ -320,7 +330,7 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
         Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 },
     );
     assert_eq!(
-        n_claims(WallDirections::with(camera([0.0; 5]), &body, &reach, &[Interval::ZERO], Setup::default()), 0.5),
+        n_claims(WallDirections::with(camera([0.0; 5]), &robot(body, reach), &[Interval::ZERO], Setup::default()), 0.5),
         3
     );
 }
@@ -418,7 +428,7 @@ fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64, setup: Setup) -> WallDir
         tilt_error_rad,
         ..camera([0.0; 5])
     };
-    WallDirections::with(exact, &body, &reach, &[Interval::ZERO], setup)
+    WallDirections::with(exact, &robot(body, reach), &[Interval::ZERO], setup)
 }
 
 fn sharp(edge: EdgeLine) -> EdgeLine {
@@ -505,7 +515,7 @@ fn behind_a_bent_lens_no_error_of_its_optics_loses_the_heading() {
             })
             .collect();
         let prior = union(heading_rad + rng.random_range(-0.1..0.1), 0.12);
-        let walls = WallDirections::with(told, &body, &reach, &[Interval::ZERO], without_wrong_edges());
+        let walls = WallDirections::with(told, &robot(body, reach), &[Interval::ZERO], without_wrong_edges());
         n_told += usize::from(heading_of_image(walls, &edges, heading_rad, &prior).is_some());
     }
     assert!(n_told > rounds(600, 2000), "{n_told}");

@@ -13,6 +13,10 @@ mod lean;
 mod tilt;
 pub mod range_landmarks;
 #[cfg(feature = "vision")]
+mod readout;
+#[cfg(feature = "vision")]
+mod rows;
+#[cfg(feature = "vision")]
 pub mod wall_bearings;
 #[cfg(feature = "vision")]
 pub mod wall_directions;

@@ -44,6 +44,7 @@ use crate::{
 };
 
 use super::{
+    readout::{Readout, Tells},
     wall_directions::{BLUR_SHARE, NEW_PLACE_M, NEW_PLACE_RAD, sight::elevation_of},
     window::Window,
 };
@@ -77,15 +78,6 @@ const UPRIGHT_BOUNDS: f64 = 1.5;
 const WIDEST: [f64; 3] = [1.0, 1.0, 0.2];
 /// Greatest number of branches of a union for which edges are matched.
 const MOST_BRANCHES: usize = 16;
-
-/// Place of a camera on the robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraPlace {
-    /// Position of the optical centre in the robot frame: forward and left (bound `forward_camera.position`).
-    pub position_m: [Interval; 2],
-    /// Height of the optical centre above the floor (bound `forward_camera.height`).
-    pub height_m: Interval,
-}
 
 /// Declared greatest numbers of sightings that may be false, so that no image edge in them shows the edge of the map that it may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +133,7 @@ pub struct WallBearings {
     eye_m: [Interval; 2],
     height_m: f64,
     stamp_turn_rad: f64,
+    readout: Readout,
     body_tilt_rad: f64,
     walls: Arc<[Wall]>,
     posts: Arc<[Post]>,
@@ -151,26 +144,22 @@ pub struct WallBearings {
 }
 
 impl WallBearings {
-    /// Makes the method for a camera at a place on a robot among the walls of a map.
-    pub fn new(
-        camera: ForwardCameraModel,
-        place: CameraPlace,
-        walls: &WallMap,
-        setup: Setup,
-        robot: &RobotModel,
-    ) -> Self {
+    /// Makes the method for a robot with a camera, among the walls of a map.
+    pub fn new(camera: ForwardCameraModel, walls: &WallMap, setup: Setup, robot: &RobotModel) -> Self {
         let late = Interval::point(camera.stamp_error_s);
         let moved = late * Interval::point(robot.reach.speed_m_per_s);
-        let shifted = robot.body.most_leant_m(place.position_m, place.height_m.magnitude()) + moved;
+        let shifted = robot.body.most_leant_m(camera.position_m, camera.height_m.magnitude()) + moved;
         let turned = late * Interval::point(robot.reach.turn_rate_rad_per_s);
         // The place of the camera turns with the robot within the error of the stamp.
-        let lever = Interval::point(place.position_m[0].magnitude()) + Interval::point(place.position_m[1].magnitude());
+        let lever =
+            Interval::point(camera.position_m[0].magnitude()) + Interval::point(camera.position_m[1].magnitude());
         let shifted = shifted + lever * turned;
         WallBearings {
             camera,
-            eye_m: place.position_m.map(|side| side.inflate(shifted.hi())),
-            height_m: place.height_m.mid(),
+            eye_m: camera.position_m.map(|side| side.inflate(shifted.hi())),
+            height_m: camera.height_m.mid(),
             stamp_turn_rad: turned.hi(),
+            readout: Readout::of(&camera, robot),
             body_tilt_rad: robot.body.tilt_rad,
             walls: walls.walls.clone().into(),
             posts: posts(&walls.walls).into(),
@@ -299,6 +288,7 @@ impl Method for WallBearings {
         // A turn of the robot during the exposure moves upright edges sideways, in the image's middle by the focal length times the angle turned.
         let moved_px = self.camera.focal_px.mid() * (context.twist.turn_rad_per_s * exposure_s).abs();
         lines.iter_mut().for_each(|line| line.bound_px += BLUR_SHARE * moved_px);
+        let lines = self.readout.at_stamp(lines, Tells::Bearing, *measured_s, context.motion);
         self.constraint(*measured_s, &lines, context.prior)
     }
 

@@ -31,7 +31,10 @@ use learnt::Direction;
 use posture::{Agreement, Told, View};
 use sight::SightPlane;
 
-use super::window::{Held, Window};
+use super::{
+    readout::{Readout, Tells},
+    window::{Held, Window},
+};
 
 use interval::Interval;
 
@@ -40,7 +43,7 @@ use crate::{
     bounds::Assumption,
     method::{Claim, Constraint, Context, Memory, Method, MotionBetween},
     reading::Camera,
-    robot::{BodyModel, ForwardCameraModel, Reach},
+    robot::ForwardCameraModel,
     vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},
 };
 
@@ -136,6 +139,7 @@ pub struct WallDirections {
     widest_rad: f64,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
+    readout: Readout,
     directions: Vec<Direction>,
     learns: bool,
     /// For each image held, the headings on which its level edges agree.
@@ -150,17 +154,11 @@ pub struct WallDirections {
 impl WallDirections {
     /// Makes the wall-direction method for a robot and a map; `None` without a camera that looks ahead.
     pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
-        Some(Self::with(robot.forward_camera?, &robot.body, &robot.reach, &map.wall_directions_rad, setup))
+        Some(Self::with(robot.forward_camera?, robot, &map.wall_directions_rad, setup))
     }
 
-    /// Makes the wall-direction method for a camera, with the directions that the map gives.
-    pub fn with(
-        camera: ForwardCameraModel,
-        body: &BodyModel,
-        reach: &Reach,
-        directions_rad: &[Interval],
-        setup: Setup,
-    ) -> Self {
+    /// Makes the wall-direction method for a robot with a camera, with the directions that the map gives.
+    pub fn with(camera: ForwardCameraModel, robot: &RobotModel, directions_rad: &[Interval], setup: Setup) -> Self {
         let Setup { chain, solves_lean, floor_edges, learns, decides, quotas } = setup;
         let known = |&direction_rad: &Interval| Direction { direction_rad, since_s: f64::NEG_INFINITY };
         let is_refitted = solves_lean && chain == Chain::Direct;
@@ -172,8 +170,9 @@ impl WallDirections {
             floor_edges,
             quotas,
             widest_rad: if is_refitted { sight::WIDEST_REFITTED_RAD } else { sight::WIDEST_RAD },
-            body_tilt_rad: body.tilt_rad,
-            stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
+            body_tilt_rad: robot.body.tilt_rad,
+            stamp_turn_rad: camera.stamp_error_s * robot.reach.turn_rate_rad_per_s,
+            readout: Readout::of(&camera, robot),
             directions: directions_rad.iter().map(known).collect(),
             learns,
             seen: Window::new(if solves_lean { IMAGES } else { IMAGES_APART }),
@@ -318,6 +317,7 @@ impl Method for WallDirections {
             line.bound_px *= if self.solves_lean { 1.0 } else { APART_BOUNDS };
             line.bound_px += BLUR_SHARE * moved_px * (v1 - v0).abs() / sight::length_px(line);
         }
+        let lines = self.readout.at_stamp(lines, Tells::Direction, *measured_s, context.motion);
         self.constraint(*measured_s, &lines, context.prior)
     }
 

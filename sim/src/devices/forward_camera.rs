@@ -6,7 +6,7 @@ use localizer::{
     bounds::{self, Assumption},
     methods::{
         mapped_landmarks::pictures::{KnownLandmarks, PicturedLandmarks},
-        wall_bearings::{CameraPlace, WallBearings},
+        wall_bearings::WallBearings,
         wall_directions::{self, WallDirections},
     },
     robot::ForwardCameraModel,
@@ -41,7 +41,7 @@ impl Device for ForwardCamera {
         if name == MethodName::WallBearings {
             let setup = scene.localizer.wall_bearings().method();
             let (camera, walls) = (robot.forward_camera?, map.walls.as_ref()?);
-            return Some(Box::new(WallBearings::new(camera, self.place(), walls, setup, robot)));
+            return Some(Box::new(WallBearings::new(camera, walls, setup, robot)));
         }
         if name == MethodName::MappedLandmarks {
             let setup = scene.localizer.mapped_landmarks();
@@ -51,7 +51,7 @@ impl Device for ForwardCamera {
                 looks: &map.looks,
             });
             let camera = robot.forward_camera?;
-            return Some(Box::new(PicturedLandmarks::new(camera, self.place(), robot, known, learning, quotas)));
+            return Some(Box::new(PicturedLandmarks::new(camera, robot, known, learning, quotas)));
         }
         let keys = scene.localizer.wall_directions();
         let setup = wall_directions::Setup {
@@ -124,18 +124,13 @@ impl Device for ForwardCamera {
 }
 
 impl ForwardCamera {
-    /// Place of the forward camera on the robot, as the localizer is given it.
-    fn place(&self) -> CameraPlace {
-        let around = |nominal_m: f64| Interval::centred(nominal_m, self.calibration.position_tolerance_m);
-        let [forward, left, height_m] = self.shared().position_m.map(around);
-        CameraPlace { position_m: [forward, left], height_m }
-    }
-
     /// The model of the forward camera that the localizer is given.
     pub(crate) fn model(&self) -> ForwardCameraModel {
         let calibration = &self.calibration;
         let angle_rad = calibration.angle_tolerance_deg.to_radians();
         let around = |at_px: f64| Interval::centred(at_px, calibration.principal_point_tolerance_px);
+        let at = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
+        let [forward, left, height_m] = self.shared().position_m.map(at);
         ForwardCameraModel {
             focal_px: relative(self.focal_px()[0], calibration.focal_tolerance),
             principal_point_px: self.principal_point_px().map(around),
@@ -145,6 +140,10 @@ impl ForwardCamera {
             yaw_rad: Interval::centred(self.yaw_deg.to_radians(), angle_rad),
             tilt_error_rad: angle_rad,
             stamp_error_s: self.stamp_tolerance_s,
+            position_m: [forward, left],
+            height_m,
+            height_px: self.height_px,
+            row_time_s: self.lens.row_time_s,
         }
     }
 }

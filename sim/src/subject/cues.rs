@@ -239,6 +239,14 @@ fn stray(twist: &localizer::motion::Twist, stamp_error_s: f64) -> [f64; 2] {
     [twist.forward_m_per_s.abs() * sigma_s, twist.turn_rad_per_s.abs() * sigma_s]
 }
 
+/// Motion of the robot from an image's stamp to the exposure of a row, for a shutter with so much time from row to row and an image of so many rows:
+/// forward, to the left, and turned.
+fn since_stamp(twist: &localizer::motion::Twist, (row_time_s, n_rows): (f64, u32), row: f64) -> [f64; 3] {
+    let after_s = (row - 0.5 * (f64::from(n_rows) - 1.0)) * row_time_s;
+    let [ahead_m, turn_rad] = [twist.forward_m_per_s, twist.turn_rad_per_s].map(|speed| speed * after_s);
+    [ahead_m, 0.5 * turn_rad * ahead_m, turn_rad]
+}
+
 /// The angle less the whole number of quarter turns nearest to it.
 pub(crate) fn within_quarter(angle_rad: f64) -> f64 {
     let quarter_rad = std::f64::consts::FRAC_PI_2;

@@ -3,7 +3,7 @@
 //! A dot that is at q in the level robot frame at its row's exposure is at t + R(δ) q in that at the stamp, if the robot has moved by t and turned by
 //! δ from the stamp to the row. The apparent frame is turned by the error ε of the camera's yaw, in which this is R(−ε) t + R(δ) q.
 
-use interval::{Interval, IntervalBox};
+use interval::Interval;
 
 use crate::{
     method::MotionBetween,
@@ -11,16 +11,15 @@ use crate::{
     robot::{CeilingCameraModel, Reach, RobotModel},
 };
 
+use super::super::rows;
 use super::ray::{BODY_TILT, DOT_HEIGHT, SeenDot};
 
 /// Factor that makes up for the rounding of a sum of two numbers.
 const ABOVE: f64 = 1.0 + 1e-12;
 
-/// Exposure of the rows of one image, and how the robot moved meanwhile.
+/// Exposure of the rows of one image, and how the robot moved and leant meanwhile.
 pub(super) struct Rows<'a> {
-    row_time_s: f64,
-    middle_row: f64,
-    stamp_s: f64,
+    exposed: rows::Rows<'a>,
     stamp_error_s: f64,
     /// Greatest error of the camera's yaw.
     yaw_error_rad: f64,
@@ -28,7 +27,6 @@ pub(super) struct Rows<'a> {
     reach: Reach,
     /// Greatest change of the turn rate in a second.
     turn_change_rad_per_s2: f64,
-    motion: MotionBetween<'a>,
 }
 
 impl<'a> Rows<'a> {
@@ -39,25 +37,20 @@ impl<'a> Rows<'a> {
         stamp_s: f64,
         motion: MotionBetween<'a>,
     ) -> Option<Rows<'a>> {
-        let rows = || Rows {
-            row_time_s: camera.row_time_s,
-            middle_row: 0.5 * (f64::from(camera.height_px) - 1.0),
-            stamp_s,
+        Some(Rows {
+            exposed: rows::Rows::of((camera.row_time_s, camera.height_px), stamp_s, robot.reach, motion)?,
             stamp_error_s: camera.stamp_error_s,
             yaw_error_rad: camera.yaw_rad.radius(),
             heave_m: robot.body.heave_m,
             reach: robot.reach,
             turn_change_rad_per_s2: motion::greatest_change_rad_per_s2(&robot.wheels, &robot.reach),
-            motion,
-        };
-        (camera.row_time_s > 0.0).then(rows)
+        })
     }
 
     /// The dot as it would be seen if its row had been exposed at the image's stamp. What is left of the motion is added to the error of the dot's
     /// place in the world, and so is what the body's lean makes, which may be another one at each row.
     pub(super) fn at_stamp(&self, dot: &SeenDot, [_, v, bound_px]: [f64; 3]) -> SeenDot {
-        let after_s = (v - self.middle_row) * self.row_time_s;
-        let [ahead, left, turn] = self.moved(after_s, bound_px * self.row_time_s);
+        let [ahead, left, turn] = self.exposed.moved(v, bound_px);
         let (sight, middle_turn) = (&dot.sight, Interval::point(turn.mid()));
         let (cos, sin) = (middle_turn.cos(), middle_turn.sin());
         let turned = |[x, y]: [Interval; 2]| [x * cos - y * sin, x * sin + y * cos];
@@ -72,28 +65,9 @@ impl<'a> Rows<'a> {
             moved.sight.deviations[tilt] = Interval::ZERO;
             (0..2).for_each(|axis| moved.sight.slopes[axis][tilt] = Interval::ZERO);
         }
-        let slack_m = self.slack_m(dot, [ahead, left, turn], after_s).hi();
+        let slack_m = self.slack_m(dot, [ahead, left, turn], self.exposed.after_s(v)).hi();
         moved.in_world_m = moved.in_world_m.map(|side| side.inflate(slack_m));
         moved
-    }
-
-    /// Motion of the robot from the stamp to a time after it, or before it, that is known to within `within_s`, in the robot frame at the stamp.
-    fn moved(&self, after_s: f64, within_s: f64) -> [Interval; 3] {
-        let row_s = self.stamp_s + after_s;
-        let known = if after_s >= 0.0 {
-            (self.motion)(self.stamp_s, row_s)
-        } else {
-            // The robot at the row's exposure as seen from the stamp: the motion until then, backwards.
-            (self.motion)(row_s, self.stamp_s).map(|until| {
-                let [ahead, left, turn] = [0, 1, 2].map(|axis| until[axis]);
-                let (cos, sin) = (turn.cos(), turn.sin());
-                IntervalBox::from([-(ahead * cos + left * sin), ahead * sin - left * cos, -turn])
-            })
-        };
-        let known = known.filter(|motion| !motion.is_empty());
-        let moved = known.unwrap_or_else(|| motion::reach_motion(after_s.abs(), &self.reach));
-        let within = motion::reach_motion(within_s, &self.reach);
-        [0, 1, 2].map(|axis| moved[axis] + within[axis])
     }
 
     /// Greatest distance by which the dot's place at the stamp may be beside what its middle motion makes of it.

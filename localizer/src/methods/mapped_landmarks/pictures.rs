@@ -26,7 +26,6 @@ use crate::{
 };
 
 use super::{
-    super::wall_bearings::CameraPlace,
     Learning, PointCameraModel, RECENT_S,
     album::Album,
     finding::{Finder, Searched},
@@ -135,10 +134,9 @@ struct Seen {
 }
 
 impl PicturedLandmarks {
-    /// Makes the method for a camera at a place on a robot.
+    /// Makes the method for a robot with a camera.
     pub fn new(
         camera: ForwardCameraModel,
-        place: CameraPlace,
         robot: &RobotModel,
         known: KnownLandmarks,
         learning: Learning,
@@ -150,8 +148,8 @@ impl PicturedLandmarks {
             tilt_up_rad: camera.tilt_up_rad,
             yaw_rad: camera.yaw_rad,
             tilt_rad: camera.tilt_error_rad,
-            position_m: place.position_m,
-            height_m: place.height_m,
+            position_m: camera.position_m,
+            height_m: camera.height_m,
             error_px: 0.0,
             least_depth_m: LEAST_DEPTH_M,
             stamp_error_s: camera.stamp_error_s,

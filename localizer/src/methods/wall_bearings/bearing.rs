@@ -54,6 +54,10 @@ mod tests {
             yaw_rad: Interval::ZERO,
             tilt_error_rad,
             stamp_error_s: 0.0,
+            position_m: [Interval::ZERO; 2],
+            height_m: Interval::point(0.25),
+            height_px: SIZE_PX[1] as u32,
+            row_time_s: 0.0,
         }
     }
 

@@ -30,7 +30,6 @@ fn corners(middle: [f64; 2], size: [f64; 2], turn_rad: f64) -> Vec<[f64; 2]> {
 struct Trial {
     robot: RobotModel,
     camera: ForwardCameraModel,
-    place: CameraPlace,
     walls: WallMap,
     /// For each upright edge where it is on the map and where it truly stands; `None` for a thing that is on no map.
     uprights: Vec<(Option<[f64; 2]>, [f64; 2])>,
@@ -109,10 +108,6 @@ impl Trial {
         };
         let (position_m, height_m) = (draw.size(1e-6, 0.005), 0.002);
         let around = |nominal: f64, half: f64| Interval::centred(nominal, half);
-        let place = CameraPlace {
-            position_m: [around(MOUNT_M[0], position_m), around(MOUNT_M[1], position_m)],
-            height_m: around(MOUNT_M[2], height_m),
-        };
         let camera = ForwardCameraModel {
             focal_px: around(417.0, draw.size(1e-3, 1.0)),
             principal_point_px: [around(319.5, draw.size(1e-3, 1.0)), around(239.5, draw.size(1e-3, 1.0))],
@@ -122,9 +117,13 @@ impl Trial {
             yaw_rad: around(draw.between(-0.3, 0.3), draw.size(1e-6, 0.01)),
             tilt_error_rad: draw.size(1e-6, 0.01),
             stamp_error_s: draw.size(1e-6, 0.005),
+            position_m: [around(MOUNT_M[0], position_m), around(MOUNT_M[1], position_m)],
+            height_m: around(MOUNT_M[2], height_m),
+            height_px: 480,
+            row_time_s: 0.0,
         };
         let lens = True {
-            at_m: [draw.within(place.position_m[0]), draw.within(place.position_m[1]), draw.within(place.height_m)],
+            at_m: [draw.within(camera.position_m[0]), draw.within(camera.position_m[1]), draw.within(camera.height_m)],
             yaw_rad: draw.within(camera.yaw_rad),
             tilt: lean(draw, camera.tilt_error_rad),
             focal_px: draw.within(camera.focal_px),
@@ -138,7 +137,6 @@ impl Trial {
         let mut made = Trial {
             robot,
             camera,
-            place,
             walls: WallMap { walls, placement_m },
             uprights,
             poses,
@@ -209,7 +207,7 @@ impl Trial {
     /// What the method leaves of the last of the given boxes, one at each image, and the number of false sightings of all images.
     fn left(&self, priors: &[PoseBox], quotas: Quotas) -> (PoseUnion, usize, usize) {
         let setup = Setup { tallest_thing_m: 0.0, quotas };
-        let mut method = WallBearings::new(self.camera, self.place, &self.walls, setup, &self.robot);
+        let mut method = WallBearings::new(self.camera, &self.walls, setup, &self.robot);
         let (mut n_false, mut n_all) = (0, 0);
         let mut left = PoseUnion::single(priors[priors.len() - 1]);
         for (index, (image, prior)) in self.images.iter().zip(priors).enumerate() {
@@ -284,13 +282,14 @@ fn no_true_pose_is_lost_among_walls_and_things_that_are_on_no_map() {
 #[test]
 fn the_camera_is_anywhere_that_mount_lean_and_stamp_allow() {
     let trial = Trial::new(&mut Draw::new(3), 0, 1);
-    let camera = ForwardCameraModel { stamp_error_s: 0.005, ..trial.camera };
-    let robot = RobotModel { body: BodyModel { tilt_rad: 0.02, ..trial.robot.body }, ..trial.robot.clone() };
-    let place = CameraPlace {
+    let camera = ForwardCameraModel {
+        stamp_error_s: 0.005,
         position_m: [Interval::new(0.098, 0.102), Interval::new(-0.002, 0.002)],
         height_m: Interval::new(0.24, 0.26),
+        ..trial.camera
     };
-    let method = WallBearings::new(camera, place, &trial.walls, Setup::default(), &robot);
+    let robot = RobotModel { body: BodyModel { tilt_rad: 0.02, ..trial.robot.body }, ..trial.robot.clone() };
+    let method = WallBearings::new(camera, &trial.walls, Setup::default(), &robot);
     // By hand: 2 mm for the mount, 0.26 m · sin 0.02 = 5.2 mm for the lean, and 5 mm for the way at 1 m/s within the error of the stamp; the turn by
     // 0.01 rad in that time moves the lever of 0.1 m by 1 mm.
     let [forward, left] = method.eye_m;

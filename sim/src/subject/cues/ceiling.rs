@@ -13,7 +13,7 @@ use localizer::{
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use super::{Mount, SIGMAS_OF_BOUND, Seen, stray};
+use super::{Mount, SIGMAS_OF_BOUND, Seen, since_stamp, stray};
 
 /// Markers of the ceiling as the camera that looks up sees them.
 pub(crate) struct Ceiling {
@@ -58,7 +58,8 @@ impl Ceiling {
     pub(crate) fn look(&self, reading: &Reading, twist: &Twist) -> Option<Seen> {
         let found = self.method.look(reading, twist)?.markers;
         let is_once = |marker: &&SeenMarker| found.iter().filter(|other| other.id == marker.id).count() == 1;
-        let mut markers: Vec<Marker> = found.iter().filter(is_once).filter_map(|marker| self.marker(marker)).collect();
+        let mut markers: Vec<Marker> =
+            found.iter().filter(is_once).filter_map(|marker| self.marker(marker, twist)).collect();
         let pose = self.fit(&mut markers)?;
         Some(Seen::Pose { pose: pose.into(), covariance: self.covariance(&markers, &pose, twist) })
     }
@@ -69,13 +70,20 @@ impl Ceiling {
         heights.mid() - self.camera.height_m.mid()
     }
 
-    fn marker(&self, seen: &SeenMarker) -> Option<Marker> {
+    fn marker(&self, seen: &SeenMarker, twist: &Twist) -> Option<Marker> {
         let placed: &PlacedMarker = self.map.markers.iter().find(|placed| placed.id == seen.id)?;
         let dots: Vec<_> = seen.dots.iter().map(|(place, dot)| (*place, dot.centre_px)).collect();
         let bound_px = seen.dots.iter().map(|(_, dot)| dot.bound_px).sum::<f64>() / seen.dots.len() as f64;
         let sigma_m =
             SIGMAS_OF_BOUND * (bound_px * self.up_m() / self.camera.focal_px[0].mid()).hypot(self.map.print_m);
-        Some(Marker { pairs: dot_pairs(&dots, placed, &self.camera)?, centre_m: placed.centre_m.into(), sigma_m })
+        let mut pairs = dot_pairs(&dots, placed, &self.camera)?;
+        // Each dot is where the robot sees it when its row is exposed.
+        for ((_, in_robot_m), (_, [_, v])) in pairs.iter_mut().zip(&dots) {
+            let [ahead_m, left_m, turn_rad] = since_stamp(twist, (self.camera.row_time_s, self.camera.height_px), *v);
+            let [x, y] = super::turned(*in_robot_m, turn_rad);
+            *in_robot_m = [ahead_m + x, left_m + y];
+        }
+        Some(Marker { pairs, centre_m: placed.centre_m.into(), sigma_m })
     }
 
     /// Pose by all markers; a marker that does not fit is left out of the list.

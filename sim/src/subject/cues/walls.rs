@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::scene::{MethodName, Scene};
 
-use super::{Mount, SIGMAS_OF_BOUND, Seen, stray, within_quarter};
+use super::{Mount, SIGMAS_OF_BOUND, Seen, since_stamp, stray, within_quarter};
 
 /// Edges as the camera that looks ahead sees them.
 pub(crate) struct Walls {
@@ -133,7 +133,7 @@ impl Walls {
     }
 
     fn edge(&self, line: &EdgeLine, twist: &Twist) -> Option<Edge> {
-        let rays = line.ends_px.map(|end| self.in_robot(end));
+        let rays = line.ends_px.map(|end| self.in_robot(end, twist));
         let normal = rays[0].cross(&rays[1]).normalize();
         if normal.xy().norm() < LEAST_SLOPE || normal.z.abs() < LEAST_SLOPE {
             return None;
@@ -151,7 +151,7 @@ impl Walls {
         let moved_rad = |end: usize| {
             let mut ends_px = line.ends_px;
             ends_px[end] = [0, 1].map(|axis| ends_px[end][axis] + across_px[axis]);
-            let rays = ends_px.map(|end| self.in_robot(end));
+            let rays = ends_px.map(|end| self.in_robot(end, twist));
             within_half_turn(level_direction(&rays[0].cross(&rays[1])) - direction_rad)
         };
         let [_, stray_rad] = stray(twist, self.camera.stamp_error_s);
@@ -165,13 +165,14 @@ impl Walls {
         (sigma_rad <= WORST_RAD).then_some(Edge { direction_rad, sigma_rad, by_lean, lean_sigma_rad })
     }
 
-    /// Direction of a pixel's ray in the robot frame. The camera's u axis is level and points right, its optical axis is tilted up.
-    fn in_robot(&self, pixel: [f64; 2]) -> Vector3<f64> {
+    /// Direction of a pixel's ray in the robot frame at the image's stamp. The camera's u axis is level and points right, its optical axis is tilted up.
+    fn in_robot(&self, pixel: [f64; 2], twist: &Twist) -> Vector3<f64> {
+        let [.., turn_rad] = since_stamp(twist, (self.camera.row_time_s, self.camera.height_px), pixel[1]);
         let in_camera = ray(pixel, &self.camera);
         let (sin, cos) = self.camera.tilt_up_rad.sin_cos();
         let ahead =
             Vector3::new(cos * in_camera.z + sin * in_camera.y, -in_camera.x, sin * in_camera.z - cos * in_camera.y);
-        Rotation3::from_axis_angle(&Vector3::z_axis(), self.camera.yaw_rad.mid()) * ahead
+        Rotation3::from_axis_angle(&Vector3::z_axis(), self.camera.yaw_rad.mid() + turn_rad) * ahead
     }
 }
 

@@ -150,7 +150,8 @@ fn floor_camera_model(camera: FloorCameraModel) -> Value {
 
 fn forward_camera_model(camera: ForwardCameraModel) -> Value {
     object!(camera: ForwardCameraModel {
-        focal_px, principal_point_px, distortion, distortion_px, tilt_up_rad, yaw_rad, tilt_error_rad, stamp_error_s
+        focal_px, principal_point_px, distortion, distortion_px, tilt_up_rad, yaw_rad, tilt_error_rad, stamp_error_s,
+        position_m, height_m, height_px, row_time_s
     })
 }
 
