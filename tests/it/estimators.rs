@@ -210,7 +210,7 @@ fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
 #[test]
 fn a_name_that_no_localizer_has_is_refused_with_those_that_there_are() {
     let folder = folder_of("subject_refused", &[("blind.toml", &blind_scene(1.0, ""))]);
-    for (name, expected) in [("kalman", "intervals, ekf, particles"), ("ekf,cues=0", "a number above 0")] {
+    for (name, expected) in [("kalman", "intervals, ekf, particles"), ("ekf,cues=0", "a number from 0.001 to 1000")] {
         let (code, _, said) = outcome(&mut wherein(&folder, &["run", "blind.toml", "--subject", name]));
         assert_eq!(code, 2, "{name}");
         assert!(said.contains(expected), "{said}");

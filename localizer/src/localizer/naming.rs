@@ -32,6 +32,8 @@ const SOUGHT: [f64; 3] = [0.3, 0.3, 0.15];
 const NARROWER: f64 = 0.99;
 /// Greatest number of bounds that are named where the relations alone do not show the contradiction.
 const MOST_NAMED: usize = 3;
+/// Beginnings of the names of bounds on the robot's motion and posture, which most readings rely on beside their own.
+const OF_MOTION: [&str; 4] = ["wheels.", "reach.", "body.", "base."];
 
 /// Declared bounds of which not all can be true, and the readings that show it.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,14 +66,14 @@ impl fmt::Display for Contradiction {
         let bounds = self.bounds.join(", ");
         match (self.factor, self.is_earlier, self.bounds.is_empty()) {
             (Some(factor), false, _) => {
-                write!(to, "of {bounds} one is broken, or another bound more than {factor} times exceeded")?
+                write!(to, "of {bounds} one is broken, or another bound more than {factor:.1} times exceeded")?
             }
             (Some(factor), true, false) => write!(
                 to,
-                "of {bounds} one is broken, or what was known before was false, or another bound more than {factor} times exceeded"
+                "of {bounds} one is broken, or what was known before was false, or another bound more than {factor:.1} times exceeded"
             )?,
             (Some(factor), true, true) => {
-                write!(to, "what was known before was false, or a bound more than {factor} times exceeded")?
+                write!(to, "what was known before was false, or a bound more than {factor:.1} times exceeded")?
             }
             (None, ..) => write!(to, "an assumption is false, most likely one of {bounds}")?,
         }
@@ -247,13 +249,26 @@ impl Pending {
 
 /// The most doubtful bounds of what was intersected, where relations do not show the contradiction. `slot` is that of the constraint, if it was one.
 fn most_doubtful(pending: &Pending, slot: Option<&Slot>) -> Contradiction {
-    let mut bounds = pending.relies_on.clone();
-    bounds.extend(slot.and_then(|slot| slot.constraint.as_ref()).iter().flat_map(|constraint| &constraint.relies_on));
+    let of_reading = slot.and_then(|slot| slot.constraint.as_ref()).map_or(&[][..], |one| &one.relies_on);
+    let bounds = named(&pending.relies_on, of_reading);
+    let readings = slot.and_then(Slot::reading).into_iter().collect();
+    Contradiction { found_s: pending.found_s, bounds, is_earlier: false, readings, factor: None }
+}
+
+/// The most doubtful of the bounds that the estimate and the contradicting reading rely on. One of the reading's own is always named, if it has any:
+/// the motion relies on bounds so doubtful that they would hide all others.
+fn named(of_estimate: &[Assumption], of_reading: &[Assumption]) -> Vec<Assumption> {
+    let mut bounds = [of_estimate, of_reading].concat();
     bounds.sort_by_key(|bound| (bounds::doubtfulness(bound), *bound));
     bounds.dedup();
     bounds.truncate(MOST_NAMED);
-    let readings = slot.and_then(Slot::reading).into_iter().collect();
-    Contradiction { found_s: pending.found_s, bounds, is_earlier: false, readings, factor: None }
+    let is_of_motion = |bound: &Assumption| OF_MOTION.iter().any(|kind| bound.starts_with(kind));
+    let own = of_reading.iter().filter(|bound| !is_of_motion(bound)).min_by_key(|bound| bounds::doubtfulness(bound));
+    if let Some(own) = own.filter(|own| !bounds.contains(own)) {
+        bounds.truncate(MOST_NAMED - 1);
+        bounds.push(own);
+    }
+    bounds
 }
 
 impl Slot {
@@ -279,4 +294,36 @@ pub(super) fn is_narrower(one: Interval, other: Interval) -> bool {
 /// Distance of a number from an interval.
 fn distance(interval: Interval, from: f64) -> f64 {
     (interval.lo() - from).max(from - interval.hi()).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_of_the_contradicting_reading_itself_is_always_named() {
+        let of_motion = [bounds::REACH_ACCELERATION, bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP, bounds::BODY_TILT];
+        // A bound of the table, and one that only a user's own method knows.
+        for own in [bounds::SCANNER_RANGE, "beacon.range"] {
+            let named = named(&of_motion, &[own, "beacon.stamp", bounds::BODY_TILT, bounds::REACH_SPEED]);
+            assert_eq!(named, [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP, own]);
+        }
+        // A placed marker is as doubtful as slip, and is named anyway; a reading of the motion has no bound of its own.
+        let by_marker = named(&of_motion, &[bounds::MARKERS_PLACEMENT]);
+        assert_eq!(by_marker, [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP, bounds::MARKERS_PLACEMENT]);
+        let by_motion = named(&of_motion, &[bounds::WHEELS_REST]);
+        assert_eq!(by_motion, [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP, bounds::REACH_ACCELERATION]);
+    }
+
+    #[test]
+    fn a_factor_is_said_with_one_decimal() {
+        let found = Contradiction {
+            found_s: 1.0,
+            bounds: vec![bounds::WHEELS_SLIP],
+            is_earlier: false,
+            readings: Vec::new(),
+            factor: Some(300.0_f64.sqrt()),
+        };
+        assert_eq!(found.to_string(), "of wheels.slip one is broken, or another bound more than 17.3 times exceeded");
+    }
 }

@@ -15,16 +15,25 @@ const CAUTIOUS: f64 = 0.75;
 /// | overconfident | the truth is within its 95 % regions at less than 90 % of steps |
 /// | overcautious | not that, and its mean normalised error squared (NEES) is below 0.75, where 3 is right |
 /// | about right | neither |
+///
+/// A localizer that states a distribution without an extent, or none at all, is overconfident at these steps, whatever it states at others.
 pub fn honesty(figures: &Figures) -> Option<String> {
-    let nees = *figures.get("distribution.nees.mean")?;
+    let number = |name: &str| figures.get(name).copied().filter(|number| *number > 0.0);
+    let unusable = number("distribution.unusable").zip(number("distribution.checks")).map(|(unusable, checks)| {
+        format!("its covariance is of no use at {:.1} % of steps", 100.0 * unusable / checks)
+    });
+    let Some(&nees) = figures.get("distribution.nees.mean") else {
+        return unusable.map(|told| format!("overconfident: {told}"));
+    };
     let within = *figures.get("distribution.calibration.within_95")?;
     let verdict = match () {
         () if within < OVERCONFIDENT => "overconfident",
         () if nees < CAUTIOUS => "overcautious",
         () => "about right",
     };
+    let unusable = unusable.map_or_else(String::new, |told| format!("; {told}"));
     Some(format!(
-        "{verdict}: truth in its 95 % regions at {:.1} % of steps; NEES {nees:.1}, right is 3.0",
+        "{verdict}: truth in its 95 % regions at {:.1} % of steps; NEES {nees:.1}, right is 3.0{unusable}",
         100.0 * within
     ))
 }
@@ -50,5 +59,18 @@ mod tests {
         assert!(told(0.74, 0.9999).starts_with("overcautious"));
         assert!(told(3.0, 0.95).starts_with("about right"));
         assert_eq!(honesty(&Figures::new()), None);
+    }
+
+    #[test]
+    fn a_filter_without_a_usable_covariance_is_overconfident() {
+        let figures = |more: &[(&str, f64)]| -> Figures {
+            let counts = [("distribution.checks", 200.0), ("distribution.unusable", 50.0)];
+            counts.iter().chain(more).map(|(name, value)| ((*name).to_owned(), *value)).collect()
+        };
+        assert_eq!(honesty(&figures(&[])).unwrap(), "overconfident: its covariance is of no use at 25.0 % of steps");
+        // Regions without a use hold no truth, so that they are counted among those that miss it.
+        let rest = [("distribution.nees.mean", 3.0), ("distribution.calibration.within_95", 0.71)];
+        let told = honesty(&figures(&rest)).unwrap();
+        assert!(told.starts_with("overconfident: ") && told.ends_with("no use at 25.0 % of steps"), "{told}");
     }
 }

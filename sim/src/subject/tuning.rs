@@ -4,6 +4,10 @@ use std::{fmt, str::FromStr};
 
 use crate::scene::FilterNoise;
 
+/// Least and greatest factor, as for the scene's keys.
+const LEAST: f64 = 0.001;
+const GREATEST: f64 = 1000.0;
+
 /// Factors on a filter's standard deviations that the option `--subject` states, as in `ekf,motion=2,cues=0.5`. For one that it does not state, that
 /// of the scene holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,7 +44,7 @@ impl FromStr for Tuning {
         let mut tuning = Tuning::default();
         for part in text.split(',') {
             let (name, factor) = part.split_once('=').unwrap_or((part, ""));
-            let factor = factor.parse().ok().filter(|factor: &f64| *factor > 0.0 && factor.is_finite());
+            let factor = factor.parse().ok().filter(|factor: &f64| (LEAST..=GREATEST).contains(factor));
             let place = match name {
                 "motion" => &mut tuning.motion,
                 "cues" => &mut tuning.cues,
@@ -56,5 +60,5 @@ impl FromStr for Tuning {
 }
 
 fn unexpected(part: &str) -> String {
-    format!("`{part}`: expected motion=FACTOR or cues=FACTOR, with a number above 0")
+    format!("`{part}`: expected motion=FACTOR or cues=FACTOR, with a number from {LEAST} to {GREATEST}")
 }

@@ -342,11 +342,16 @@ fn scan_of(scan: messages::LaserScan, sweep_s: f64, scanner: &Scanner) -> Result
         );
         return Err(("its beams are measured over a longer time than declared", detail));
     }
+    if scan.step_rad == 0.0 && scan.distances_m.len() > 1 {
+        let detail = format!("`angle_increment` is 0 for {} beams, expected another number", scan.distances_m.len());
+        return Err(("all of its beams have one direction", detail));
+    }
     let [least_m, most_m] = scan.between_m;
     // A greatest distance that is infinite is that of a scanner without one.
-    if least_m.is_nan() || most_m.is_nan() || least_m > most_m {
-        let detail =
-            format!("`range_min` is {least_m} and `range_max` {most_m}, expected a number and one that is no less");
+    if least_m.is_nan() || most_m.is_nan() || least_m > most_m || most_m <= 0.0 {
+        let detail = format!(
+            "`range_min` is {least_m} and `range_max` {most_m}, expected a number and one above 0 that is no less"
+        );
         return Err(("its least and greatest range hold no distance", detail));
     }
     let distance = |&at_m: &f64| (at_m.is_finite() && least_m <= at_m && at_m <= most_m && at_m >= 0.0).then_some(at_m);

@@ -1,5 +1,6 @@
 //! Diagram of the pose error over time. The error of the estimate's midpoint is a line, the width of the estimate's hull a band around zero: the line
-//! leaves the band when the truth leaves the hull. Stripes show when the scene's events happened.
+//! leaves the band when the truth leaves the hull. For distributions the line is the error of the mean, and the band three standard deviations wide to
+//! either side. Stripes show when the scene's events happened.
 
 use std::fmt::Write;
 
@@ -54,7 +55,7 @@ pub(super) fn to_svg(steps: &[Step], events: &[Event]) -> String {
 fn thinned(steps: &[Step], axis: usize) -> Vec<Step> {
     let stretch = steps.len().div_ceil(POINTS).max(1);
     let closest = |steps: &[Step]| {
-        let rank = |step: &Step| (step.judgement, step.ratio(axis));
+        let rank = |step: &Step| (step.judgement.is_none(), step.judgement, step.ratio(axis));
         steps
             .iter()
             .copied()
@@ -79,8 +80,8 @@ fn panel(steps: &[Step], axis: usize, scale: f64, name: &str, top: f64, span_s: 
     let mut svg = format!(r#"<path class="axis" d="M{LEFT} {top:.1}V{bottom:.1}M{LEFT} {middle:.1}H{WIDTH}"/>"#);
     let _ = write!(svg, r#"<path class="band" d="M{upper}L{lower}Z"/><path class="error" d="M{error}"/>"#);
     let width = (WIDTH - LEFT) / steps.len().max(1) as f64 + 0.8;
-    for step in steps.iter().filter(|step| step.judgement != Judgement::Contained) {
-        let (class, x) = (step.judgement.name(), x(step.time_s));
+    for step in steps.iter().filter(|step| step.judgement != Some(Judgement::Contained)) {
+        let (class, x) = (step.judgement.map_or("outside", Judgement::name), x(step.time_s));
         let _ =
             write!(svg, r#"<rect class="{class}" x="{x:.1}" y="{:.1}" width="{width:.1}" height="4"/>"#, bottom - 4.0);
     }

@@ -54,7 +54,8 @@ impl Diagram {
             // Errors below a hundredth of half the box's width are raised to that value, as their exact size on a logarithmic scale means nothing.
             let error = (step.error[axis].abs() * self.scale).max(half_width * 1e-2);
             let bin = |value: f64| (value.log10() * BINS).floor() as i32;
-            *self.bins.entry((step.judgement, bin(half_width), bin(error))).or_default() += 1;
+            let Some(judgement) = step.judgement else { continue };
+            *self.bins.entry((judgement, bin(half_width), bin(error))).or_default() += 1;
         }
     }
 

@@ -153,6 +153,7 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
     // Where only the worst cases are kept, none of them is a typical one.
     let typical = if overview.sketched.is_some() { None } else { typical(results) };
     let has_boxes = overview.figures.contains_key("width.x_m.mean");
+    let has_distributions = overview.figures.keys().any(|name| name.starts_with("distribution."));
     let typical = typical.filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
     html! {
         @if !worst.is_empty() {
@@ -162,7 +163,10 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
                 "Of different seeds and combinations first. "
                 @if has_boxes {
                     "Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull. Grey stripes: the scene's "
-                    "events."
+                    "events. "
+                }
+                @if has_distributions {
+                    "Of a distribution: the error of its mean, and three standard deviations to either side; marks below are steps with the truth outside."
                 }
             }
             @for case in worst { (told(overview, case)) }
@@ -196,7 +200,8 @@ fn typical(results: &Results) -> Option<&CaseResult> {
 }
 
 fn told(overview: &Overview, case: &CaseResult) -> Markup {
-    let steps: Vec<Step> = steps::read(&case.folder);
+    let boxes: Vec<Step> = steps::read(&case.folder);
+    let steps = if boxes.is_empty() { steps::of_distributions(&case.folder) } else { boxes };
     html! {
         article {
             h3 { (case.describe(overview.has_scenes)) }

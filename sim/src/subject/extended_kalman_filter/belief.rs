@@ -123,7 +123,8 @@ impl Belief {
         let mut corner = self.covariance.fixed_view_mut::<3, 3>(0, 0);
         corner += noise;
         if let (Some([bias, _]), Some(gyro)) = (layout.gyro, robot.gyro) {
-            self.covariance[(bias, bias)] += (SIGMAS_OF_BOUND * gyro.bias_wander_rad_per_s2).powi(2) * step.span_s;
+            self.covariance[(bias, bias)] +=
+                (tuning.motion * SIGMAS_OF_BOUND * gyro.bias_wander_rad_per_s2).powi(2) * step.span_s;
         }
         self.change(layout, 0.5 * (step.rolled_m[0].abs() + step.rolled_m[1].abs()));
         self.stamp_s = step.stamp_s;
@@ -174,7 +175,7 @@ impl Belief {
         });
         let floor_m2 = |floor_m: f64| (tuning.motion * SIGMAS_OF_BOUND * floor_m).powi(2);
         let tick_m = wheels.metres_per_tick(0).mid();
-        let wheel_m2 = 2.0 * (floor_m2(wheels.slip_floor_m) + (SIGMAS_OF_BOUND * tick_m).powi(2));
+        let wheel_m2 = 2.0 * (floor_m2(wheels.slip_floor_m) + (tuning.motion * SIGMAS_OF_BOUND * tick_m).powi(2));
         let turn_rad2 = wheel_m2 / track_m.powi(2);
         let side_m2 = floor_m2(wheels.side_slip_floor_m) + (0.5 * path_m).powi(2) * turn_rad2;
         let variances = [0.25 * wheel_m2, side_m2, turn_rad2];

@@ -159,7 +159,7 @@ fn see_line(belief: &mut Belief, mounted: Mounted, line: &Line, known: &Known<'_
     let (_, rows) = apparent.place(line.middle_m);
     let weighted = |axis: usize| rows[axis].iter().map(move |(place, slope)| (*place, slope * met.normal[axis]));
     let mut across: Row = weighted(0).chain(weighted(1)).collect();
-    let own_m2 = (plan.placement_sigma_m.powi(2) + line.sigma[1].powi(2)) * known.tuning.cues.powi(2);
+    let own_m2 = plan.placement_sigma_m.powi(2) + (line.sigma[1] * known.tuning.cues).powi(2);
     let most_m = UNAMBIGUOUS_SIGMAS * (belief.variance(&across) + own_m2).sqrt();
     if most_m > plan.half_way_m(line, apparent.pose, &met) || met.off_m.abs() > most_m {
         return;

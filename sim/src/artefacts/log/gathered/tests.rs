@@ -138,9 +138,18 @@ fn a_scan_whose_least_and_greatest_range_hold_no_distance_is_dropped_and_one_wit
     };
     assert_eq!(of([0.1, 10.0]), Ok(vec![Some(1.0), None]));
     assert_eq!(of([0.0, f64::INFINITY]), Ok(vec![Some(1.0), Some(20.0)]));
-    for between_m in [[0.1, f64::NAN], [f64::NAN, 10.0], [10.0, 0.1]] {
+    for between_m in [[0.1, f64::NAN], [f64::NAN, 10.0], [10.0, 0.1], [0.0, 0.0]] {
         let Err((reason, detail)) = of(between_m) else { panic!("{between_m:?} is read") };
         assert_eq!(reason, "its least and greatest range hold no distance");
         assert!(detail.contains("`range_max`"), "{detail}");
     }
+    let in_one_direction = messages::LaserScan {
+        first_rad: 0.0,
+        step_rad: 0.0,
+        step_s: 0.0,
+        between_m: [0.1, 10.0],
+        distances_m: vec![1.0, 2.0],
+    };
+    let (reason, detail) = scan_of(in_one_direction, 0.0, &Scanner::default()).unwrap_err();
+    assert!(reason.contains("one direction") && detail.contains("`angle_increment` is 0"), "{reason}: {detail}");
 }
