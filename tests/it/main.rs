@@ -168,6 +168,8 @@ mod render_puddles;
 mod render_glints;
 /// Tests that further rooms and open doors are there for the robot's body, beams, landmarks and paths, not only for cameras.
 mod rooms_felt;
+/// Tests of rooms of any polygon: walls, beams, light and pictures, against rays and against the same rooms as rectangles.
+mod polygon_rooms;
 /// Tests of rooms and doors that cannot be, which are refused by the key that is wrong.
 mod rooms_refused;
 /// Drives whose camera that looks ahead has a rolling shutter, by what methods claim of edges in its images.

@@ -5,6 +5,7 @@ mod cameras;
 mod errands;
 mod logs;
 mod markers;
+mod rooms;
 mod sensors;
 mod things;
 
@@ -22,6 +23,10 @@ const GREATEST_SLOPE: f64 = 0.5;
 /// All contradictions of `scene` with itself.
 pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     let mut found = Vec::new();
+    rooms::contradictions(scene, &mut found);
+    if !found.is_empty() {
+        return found;
+    }
     drive(scene, &mut found);
     robot_places(scene, &mut found);
     route_legs(scene, &mut found);

@@ -28,6 +28,7 @@ mod glints;
 pub(super) mod layouts;
 mod motion;
 mod pipelines;
+mod parts;
 mod people;
 mod plate;
 mod strips;

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::FurtherRoom;
+
 /// Everything around and above the floor that cameras looking ahead or up can see: ceilings, walls, doors, pictures, further rooms.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -30,8 +32,8 @@ pub struct Building {
     /// neither the map nor the localizer may know it.
     #[serde(skip)]
     pub(crate) turned_rad: f64,
-    /// Rooms besides the robot's own, which is stated as `[room]`. Where two rooms overlap there is no wall. All rooms together are at most 200 m long
-    /// and wide.
+    /// Rooms besides the robot's own, which is stated as `[room]`: rectangles by `x_m`, `y_m`, `width_m` and `depth_m`, or polygons by `corners_m`.
+    /// Where two rooms overlap there is no wall. All rooms together are at most 200 m long and wide.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
     /// Doors in walls. Between an open door and another door in its wall there are at least 14 cm of wall, for their frames.
@@ -43,27 +45,6 @@ pub struct Building {
     /// Round retro-reflective dots, which send the light of a lamp at a camera's lens back to that camera.
     #[serde(rename = "dot")]
     pub dots: Vec<Dot>,
-}
-
-/// A rectangular room at any angle, beside the room that the robot drives in.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FurtherRoom {
-    /// World x of one corner of the further room.
-    pub x_m: f64,
-    /// World y of the further room's corner at `x_m`.
-    pub y_m: f64,
-    /// Direction, measured from world x, of the further room's side that begins at its corner at `x_m` and `y_m` and is `width_m` long. The side of
-    /// length `depth_m` begins at the same corner, at a right angle to the left.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub heading_deg: f64,
-    /// Length of the further room's side along `heading_deg`.
-    #[schemars(range(min = 0.5, max = 200.0))]
-    pub width_m: f64,
-    /// Length of the further room's side at a right angle to `heading_deg`.
-    #[schemars(range(min = 0.5, max = 200.0))]
-    pub depth_m: f64,
 }
 
 /// A door in a wall. Its two jambs stand at the foot of the wall.

@@ -62,8 +62,7 @@ impl Scene {
         self.building.turned_rad = turn_deg.to_radians();
         let plan = self.plan();
         for room in &mut self.building.rooms {
-            [room.x_m, room.y_m] = plan.stands([room.x_m, room.y_m]);
-            room.heading_deg += turn_deg;
+            room.turn(turn_deg, |stated_m| plan.stands(stated_m));
         }
         for piece in self.furniture.iter_mut().filter(|piece| piece.wall) {
             [piece.x_m, piece.y_m] = plan.stands([piece.x_m, piece.y_m]);

@@ -4,7 +4,7 @@ use localizer::methods::wall_directions::{LEARNT_APART_RAD, Quotas};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scene;
+use super::{FurtherRoom, Scene};
 
 /// Setup of the method `wall_directions`, which finds the heading by level edges in images: what it knows of the building's walls, and how it
 /// finds the edges.
@@ -14,7 +14,7 @@ pub struct WallDirectionsSetup {
     /// Image processing by which the method `wall_directions` finds level edges.
     pub chain: WallDirectionsChain,
     /// Directions of walls on the localizer's map, measured from world x, modulo 90. Unless stated, those of `[room]` and of every
-    /// `[[building.room]]`.
+    /// `[[building.room]]`: of one with `corners_m`, those of all its sides.
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mapped_deg: Option<Vec<f64>>,
     /// Bound `wall_directions.direction`: greatest angle from each direction on the localizer's map to the nearest true direction of a wall, and from
@@ -106,9 +106,10 @@ impl WallDirectionsSetup {
 }
 
 impl Scene {
-    /// Directions of the walls as the scene states them, measured from world x, modulo 90: the room's first, then each further room's.
+    /// Directions of the walls as the scene states them, measured from world x, modulo 90: the room's first, then each further room's, of which a
+    /// polygon may have several.
     pub fn stated_wall_directions_deg(&self) -> Vec<f64> {
-        std::iter::once(0.0).chain(self.building.rooms.iter().map(|room| room.heading_deg)).collect()
+        std::iter::once(0.0).chain(self.building.rooms.iter().flat_map(FurtherRoom::wall_directions_deg)).collect()
     }
 
     /// Directions of the walls on the localizer's map, measured from world x, modulo 90.

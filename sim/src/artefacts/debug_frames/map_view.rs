@@ -53,16 +53,23 @@ impl MapView {
     pub(super) fn draw_floor(&self, canvas: &mut Canvas, scene: &Scene, laid: Option<&LaidTiles>) {
         canvas.clipped(self.panel, |canvas| {
             let ground_plan = GroundPlan::of(scene);
-            let floors: Vec<[[f64; 2]; 4]> =
-                ground_plan.floors_m().iter().map(|corners| corners.map(|at_m| self.place(at_m))).collect();
+            let placed = |corners: &Vec<[f64; 2]>| corners.iter().map(|at_m| self.place(*at_m)).collect();
+            let floors: Vec<Vec<[f64; 2]>> = ground_plan.floors_m().iter().map(placed).collect();
             floors.iter().for_each(|floor| canvas.fill(floor, palette::ROOM, 1.0));
+            let has_polygons = scene.building.rooms.iter().any(|room| room.corners_m.is_some());
+            if has_polygons {
+                // No seam shows where the parts of a polygon meet.
+                floors.iter().for_each(|floor| canvas.outline(floor, 1.5, palette::ROOM));
+            }
             for region in &scene.floor.regions {
                 canvas.fill(&region.corners_m().map(|corner| self.place(corner)), palette::REGION, 1.0);
             }
             if let (Some(tiles), Some(laid)) = (&scene.floor.tiles, laid) {
                 // Joints between tiles are also laid beyond the walls, so the drawing of them is clipped to the floors.
+                // The drawing of a polygon's parts is clipped to these, and not just to the rectangles around them.
                 for floor in &floors {
-                    canvas.clipped(self.visible(floor), |canvas| self.draw_joints(canvas, tiles, laid));
+                    let within = has_polygons.then_some(floor.as_slice());
+                    canvas.clipped(self.visible(floor), |canvas| self.draw_joints(canvas, tiles, laid, within));
                 }
             }
             // A floor covering hides the joints below it.
@@ -292,7 +299,8 @@ impl MapView {
         canvas.text([left, bottom - 23.0], 15.0, palette::INK, &label);
     }
 
-    fn draw_joints(&self, canvas: &mut Canvas, tiles: &Tiles, laid: &LaidTiles) {
+    /// Draws the joints between tiles, those of the whole floor or those within a convex part of it.
+    fn draw_joints(&self, canvas: &mut Canvas, tiles: &Tiles, laid: &LaidTiles, within: Option<&[[f64; 2]]>) {
         let (sin, cos) = tiles.rotation_deg.to_radians().sin_cos();
         let corner = |i: usize, j: usize| {
             let offset_m = laid.corner_offset_m[i * laid.count[1] + j];
@@ -306,15 +314,19 @@ impl MapView {
                 for (axis, [next_i, next_j]) in [[i, j + 1], [i + 1, j]].into_iter().enumerate() {
                     let is_seen = laid.contrast[axis][i * laid.count[1] + j] > 0.0;
                     if is_seen && next_i < laid.count[0] && next_j < laid.count[1] {
-                        canvas.line(corner(i, j), corner(next_i, next_j), width_px, palette::JOINT);
+                        let joint = [corner(i, j), corner(next_i, next_j)];
+                        let seen = within.map_or(Some(joint), |within| clipped_to(within, joint));
+                        if let Some([from, to]) = seen {
+                            canvas.line(from, to, width_px, palette::JOINT);
+                        }
                     }
                 }
             }
         }
     }
 
-    /// The part of the panel inside a rectangle whose corners run counterclockwise from the lower-left one.
-    fn visible(&self, corners: &[[f64; 2]; 4]) -> Panel {
+    /// The part of the panel inside the upright rectangle around some corners.
+    fn visible(&self, corners: &[[f64; 2]]) -> Panel {
         let panel = self.panel;
         let least = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
         let most = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
@@ -336,4 +348,25 @@ impl MapView {
     fn rectangle(&self, x_m: [f64; 2], y_m: [f64; 2]) -> [[f64; 2]; 4] {
         [[x_m[0], y_m[0]], [x_m[1], y_m[0]], [x_m[1], y_m[1]], [x_m[0], y_m[1]]].map(|corner| self.place(corner))
     }
+}
+
+/// The part of a line between two points that is within a convex polygon, whose corners go round either way; `None` if no part is.
+fn clipped_to(polygon: &[[f64; 2]], [from, to]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    let corner = |index: usize| polygon[index % polygon.len()];
+    let cross = |one: [f64; 2], other: [f64; 2], at: [f64; 2]| {
+        (other[0] - one[0]) * (at[1] - one[1]) - (other[1] - one[1]) * (at[0] - one[0])
+    };
+    let area: f64 = (0..polygon.len()).map(|index| cross([0.0; 2], corner(index), corner(index + 1))).sum();
+    let (mut low, mut high) = (0.0_f64, 1.0_f64);
+    for index in 0..polygon.len() {
+        let [start, end] = [from, to].map(|at| cross(corner(index), corner(index + 1), at) * area.signum());
+        match (start >= 0.0, end >= 0.0) {
+            (true, true) => {}
+            (false, false) => return None,
+            (true, false) => high = high.min(start / (start - end)),
+            (false, true) => low = low.max(start / (start - end)),
+        }
+    }
+    let at = |share: f64| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * share);
+    (low < high).then(|| [at(low), at(high)])
 }

@@ -34,7 +34,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
                 .map(|(key, expected)| Contradiction { key: format!("lamp[{index}].{key}"), expected }),
         );
     }
-    distant_rooms(&rooms, found);
+    distant_rooms(scene, &rooms, found);
     doors(scene, &rooms, &walls, found);
     for (index, picture) in scene.building.pictures.iter().enumerate() {
         if picture.from_m == picture.to_m {
@@ -95,7 +95,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
 }
 
 /// Finds further rooms with which the building becomes longer or wider than a site.
-fn distant_rooms(rooms: &[Enclosure], found: &mut Vec<Contradiction>) {
+fn distant_rooms(scene: &Scene, rooms: &[Enclosure], found: &mut Vec<Contradiction>) {
     let mut extents_m = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for (index, room) in rooms.iter().enumerate() {
         for (axis, name) in ["x_m", "y_m"].into_iter().enumerate() {
@@ -108,6 +108,7 @@ fn distant_rooms(rooms: &[Enclosure], found: &mut Vec<Contradiction>) {
                     "the building is {:.1} m long from room to room, expected at most {SITE_M} m",
                     high_m - low_m
                 );
+                let name = if scene.building.rooms[index - 1].corners_m.is_some() { "corners_m" } else { name };
                 found.push(Contradiction { key: format!("building.room[{}].{name}", index - 1), expected });
             } else {
                 extents_m[axis] = [low_m, high_m];

@@ -151,7 +151,7 @@ fn foot(wall: &Panel) -> [Vector2<f64>; 2] {
 }
 
 /// Least distance between two line segments in the plane.
-fn distance_m(one: [Vector2<f64>; 2], other: [Vector2<f64>; 2]) -> f64 {
+pub(super) fn distance_m(one: [Vector2<f64>; 2], other: [Vector2<f64>; 2]) -> f64 {
     let side = |[from, to]: [Vector2<f64>; 2], at: Vector2<f64>| (to - from).perp(&(at - from));
     let parts = |line: [Vector2<f64>; 2], ends: [Vector2<f64>; 2]| side(line, ends[0]) * side(line, ends[1]) < 0.0;
     if parts(one, other) && parts(other, one) {

@@ -2,21 +2,23 @@
 
 use nalgebra::{Point3, vector};
 
-use super::{Building, LAYER_M, Material, Panel, Part, Texture};
+use super::{Building, LAYER_M, Material, Panel, Part, Texture, walls::layers};
 use crate::scene::{Covering, Scene};
 
 /// Flat faces (panels) of the building's geometry for the floors of all rooms, and above them those for the coverings of the scene's floor
 /// regions.
 pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
     let base = usual(scene);
+    let layers = layers(&building.rooms);
     let mut panels: Vec<Panel> = building
         .rooms
         .iter()
         .enumerate()
         .map(|(room, enclosure)| {
             let [along, up] = enclosure.axes();
-            let corner = enclosure.corner - vector![0.0, 0.0, LAYER_M * room as f64];
-            Panel { corner, along, up, material: base, part: Part::Floor, room }
+            let corner = enclosure.corner - vector![0.0, 0.0, LAYER_M * layers[room] as f64];
+            let outline = enclosure.outline_on(corner, [along, up]);
+            Panel { corner, along, up, material: base, part: Part::Floor, room, outline }
         })
         .collect();
     let covered =
@@ -33,6 +35,7 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
             material: if covering == Covering::Wet { wet(base) } else { material(covering, index as u32) },
             part: Part::Floor,
             room: building.room_at(Point3::new(middle[0], middle[1], 0.0)),
+            outline: None,
         });
     }
     panels

@@ -38,8 +38,8 @@ struct Rooms {
 pub(crate) struct Face {
     /// Ends of the wall on the floor plan, world frame.
     pub(crate) ends_m: [Vector2<f64>; 2],
-    /// Whether the floor beyond the start and beyond the end of the wall is hidden, too, as it is at the corners of a room.
-    pub(crate) goes_on: [bool; 2],
+    /// How far beyond the start and beyond the end of the wall the floor behind its line is hidden, too, as it is at the corners of a room.
+    pub(crate) goes_on_m: [f64; 2],
 }
 
 /// The passage of an open door, between the two rooms that it connects.
@@ -166,11 +166,11 @@ impl GroundPlan {
         is_floor(centre) && !rooms.feet().any(parts_floors)
     }
 
-    /// The floors of rooms and of open doors, each by its corners in order, world frame.
-    pub(crate) fn floors_m(&self) -> Vec<[[f64; 2]; 4]> {
+    /// The floors of rooms and of open doors, in convex parts, each by its corners in order, world frame.
+    pub(crate) fn floors_m(&self) -> Vec<Vec<[f64; 2]>> {
         match &self.rooms {
-            None => vec![self.corners_m()],
-            Some(rooms) => rooms.floors().map(|corners| corners.map(Into::into)).collect(),
+            None => vec![self.corners_m().to_vec()],
+            Some(rooms) => rooms.floors().map(|corners| corners.into_iter().map(Into::into).collect()).collect(),
         }
     }
 
@@ -193,7 +193,8 @@ impl GroundPlan {
         let at = Vector2::from(place_m);
         match &self.rooms {
             None => {
-                let face = |ends_m: [[f64; 2]; 2]| Face { ends_m: ends_m.map(Vector2::from), goes_on: [true; 2] };
+                let face =
+                    |ends_m: [[f64; 2]; 2]| Face { ends_m: ends_m.map(Vector2::from), goes_on_m: [f64::INFINITY; 2] };
                 self.walls_m().into_iter().map(face).collect()
             }
             Some(rooms) => rooms.faces_seen_from(at),
@@ -209,26 +210,34 @@ impl Rooms {
         let mut walls = Vec::new();
         for (index, room) in rooms.iter().enumerate() {
             for side in room.sides() {
+                let free_m = room.free_beyond_m(&side);
                 let mut gaps = covered(&rooms, index, &side);
                 let holes = doors.iter().filter_map(|door| Some((door.height_m, on_side(door, &side)?)));
                 for (height_m, shares) in holes {
-                    walls.push(Wall::on(&side, index, shares, [height_m, room.height_m]));
+                    walls.push(Wall::on(&side, (index, free_m), shares, [height_m, room.height_m]));
                     gaps.push(shares);
                 }
-                walls.extend(remaining(gaps).into_iter().map(|at| Wall::on(&side, index, at, [0.0, room.height_m])));
+                let stand = remaining(gaps).into_iter();
+                walls.extend(stand.map(|at| Wall::on(&side, (index, free_m), at, [0.0, room.height_m])));
             }
         }
         let mut doorways = Vec::new();
         for door in doors {
-            let of_room = |room: &Enclosure| room.sides().find_map(|side| Some(feet(&side, on_side(door, &side)?)));
-            let sills: Vec<[Vector2<f64>; 2]> = rooms.iter().filter_map(of_room).collect();
+            let of_room = |room: &Enclosure| -> Vec<[Vector2<f64>; 2]> {
+                let mut sides = room.sides().filter_map(|side| Some((side.inward, feet(&side, on_side(door, &side)?))));
+                let Some((inward, sill)) = sides.next() else { return Vec::new() };
+                // A door may lead from one part of a room that is not convex into another part.
+                let behind = sides.find(|(other, _)| other.dot(&inward) < 0.0);
+                std::iter::once(sill).chain(behind.map(|(_, sill)| sill)).collect()
+            };
+            let sills: Vec<[Vector2<f64>; 2]> = rooms.iter().flat_map(of_room).collect();
             if let [[left, right], [back_right, back_left], ..] = sills[..] {
                 let doorway = Doorway { corners_m: [left, right, back_right, back_left], height_m: door.height_m };
                 walls.extend(doorway.jambs().map(|ends_m| Wall {
                     ends_m,
                     between_m: [0.0, door.height_m],
                     room: None,
-                    is_corner: [false; 2],
+                    free_beyond_m: [0.0; 2],
                 }));
                 doorways.push(doorway);
             }
@@ -248,19 +257,16 @@ impl Rooms {
             let [from, to] = wall.ends_m;
             let is_before = (to - from).perp(&(at - from)) >= 0.0;
             let is_here = wall.room.is_some_and(|room| is_here[room]);
-            let goes_on = wall.is_corner.map(|is_corner| is_corner && is_here);
-            is_before.then_some(Face { ends_m: wall.ends_m, goes_on })
+            let goes_on_m = wall.free_beyond_m.map(|free_m| if is_here { free_m } else { 0.0 });
+            is_before.then_some(Face { ends_m: wall.ends_m, goes_on_m })
         };
         self.feet().filter_map(face).collect()
     }
 
-    /// The floors of rooms and of open doors, each by its corners in order.
-    fn floors(&self) -> impl Iterator<Item = [Vector2<f64>; 4]> {
-        let corners = |room: &Enclosure| {
-            let mut sides = room.sides().map(|side| side.from.xy().coords);
-            [0; 4].map(|_| sides.next().unwrap_or_default())
-        };
-        self.rooms.iter().map(corners).chain(self.doorways.iter().map(|door| door.corners_m))
+    /// The floors of rooms and of open doors, in convex parts, each by its corners in order.
+    fn floors(&self) -> impl Iterator<Item = Vec<Vector2<f64>>> {
+        let of_doors = self.doorways.iter().map(|door| door.corners_m.to_vec());
+        self.rooms.iter().flat_map(Enclosure::floors).chain(of_doors)
     }
 
     /// The parts of walls that reach the floor.

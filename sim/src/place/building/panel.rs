@@ -1,8 +1,12 @@
 //! A flat rectangle of a building, with its material.
 
-use nalgebra::{Point3, Vector3};
+use std::sync::Arc;
 
-/// A flat rectangle of a building. It is visible only from the side to which `along × up` points.
+use nalgebra::{Point3, Vector2, Vector3, vector};
+
+use super::Polygon;
+
+/// A flat rectangle of a building, or what of it an outline leaves. It is visible only from the side to which `along × up` points.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// First corner of the panel, a flat rectangle of the building, world frame.
@@ -17,6 +21,9 @@ pub struct Panel {
     pub part: Part,
     /// Index of the room whose reflected light falls onto the panel, a flat rectangle of the building.
     pub room: usize,
+    /// Outline of the floor or ceiling of a room that is no rectangle, within the panel (a flat rectangle around it). Its coordinates are distances
+    /// from the panel's first corner along `along` and along `up`.
+    pub(crate) outline: Option<Arc<Polygon>>,
 }
 
 /// The part of the building that a panel (a flat rectangle of it) belongs to.
@@ -116,7 +123,7 @@ impl Panel {
         [self.along.norm(), self.up.norm()]
     }
 
-    /// Area of the panel.
+    /// Area of the panel, a flat rectangle, whether or not it has an outline within.
     pub fn area_m2(&self) -> f64 {
         self.along.norm() * self.up.norm()
     }
@@ -159,6 +166,32 @@ impl Panel {
     /// Whether a point in the plane of the panel (a flat rectangle) lies on the panel. The point is given as a vector from the panel's first
     /// corner.
     fn spans(&self, from_corner: Vector3<f64>) -> bool {
-        [self.along, self.up].iter().all(|side| (0.0..=side.norm_squared()).contains(&from_corner.dot(side)))
+        let is_within =
+            [self.along, self.up].iter().all(|side| (0.0..=side.norm_squared()).contains(&from_corner.dot(side)));
+        is_within
+            && self.outline.as_ref().is_none_or(|outline| {
+                outline.contains(
+                    vector![from_corner.dot(&self.along), from_corner.dot(&self.up)].component_div(&self.lengths()),
+                )
+            })
+    }
+
+    /// Whether a point of the panel (a flat rectangle), at shares of its sides, is within its outline, if it has one.
+    pub(crate) fn has(&self, [s, t]: [f64; 2]) -> bool {
+        self.outline.as_ref().is_none_or(|outline| outline.contains(vector![s, t].component_mul(&self.lengths())))
+    }
+
+    /// The point within the panel's outline, by about `inset_m` or more, that is nearest to a point of the panel, a flat rectangle. Both are given by
+    /// the shares of the panel's sides; without an outline they are the same.
+    pub(crate) fn nearest_within(&self, [s, t]: [f64; 2], inset_m: f64) -> [f64; 2] {
+        self.outline.as_ref().map_or([s, t], |outline| {
+            let lengths_m = self.lengths();
+            let nearest = outline.nearest_within(vector![s, t].component_mul(&lengths_m), inset_m);
+            nearest.component_div(&lengths_m).into()
+        })
+    }
+
+    fn lengths(&self) -> Vector2<f64> {
+        Vector2::from(self.size_m())
     }
 }

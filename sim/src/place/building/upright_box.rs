@@ -66,6 +66,7 @@ impl UprightBox {
             material: self.material,
             part: Part::Thing,
             room,
+            outline: None,
         };
         let mut faces: Vec<Panel> =
             (0..4).map(|side| face(corners[side], corners[(side + 1) % 4] - corners[side], height)).collect();

@@ -116,5 +116,6 @@ fn hung(picture: &Picture, building: &Building) -> Panel {
         material: painting(picture),
         part: Part::Thing,
         room: building.room_at(middle + out * 0.3),
+        outline: None,
     }
 }

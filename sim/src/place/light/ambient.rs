@@ -1,9 +1,11 @@
 //! Reflected light anywhere in a room, for people, lamps and dots: from a coarse lattice of points, each with the light from six sides.
 
+use std::sync::Arc;
+
 use nalgebra::{Point3, Vector3};
 
 use super::{Illuminance, gathered::Thrown, parallel::in_parallel};
-use crate::place::building::Enclosure;
+use crate::place::building::{Enclosure, Polygon};
 
 /// Wanted distance between the points of the lattice.
 const DISTANCE_M: f64 = 1.0;
@@ -18,11 +20,13 @@ pub(super) struct Ambient {
     rooms: Vec<Lattice>,
 }
 
-/// The lattice of one room.
+/// The lattice of one room, which fills the rectangle around it.
 #[derive(Clone, Debug)]
 struct Lattice {
     corner: Point3<f64>,
-    /// Unit vectors along the room's sides, and up.
+    /// Outline of a room that is not that rectangle, on the floor, world frame.
+    outline: Option<Arc<Polygon>>,
+    /// Unit vectors along the rectangle's sides, and up.
     axes: [Vector3<f64>; 3],
     size_m: [f64; 3],
     count: [usize; 3],
@@ -78,7 +82,8 @@ impl Lattice {
         let [along, across] = room.axes();
         let axes = [along.normalize(), across.normalize(), Vector3::z()];
         let size_m = [room.width_m, room.depth_m, room.height_m];
-        let mut lattice = Lattice { corner: room.corner, axes, size_m, count, points: Vec::new() };
+        let outline = room.outline.clone();
+        let mut lattice = Lattice { corner: room.corner, outline, axes, size_m, count, points: Vec::new() };
         let nodes: Vec<[usize; 3]> = (0..count.iter().product())
             .map(|node| [node % count[0], node / count[0] % count[1], node / count[0] / count[1]])
             .collect();
@@ -93,13 +98,16 @@ impl Lattice {
         lattice
     }
 
-    /// World position of a point of the lattice.
+    /// World position of a point of the lattice. What would be beyond the room's outline is at the nearest place within, whose light serves for the
+    /// places between it and the points inside.
     fn place(&self, node: [usize; 3]) -> Point3<f64> {
         let along = |axis: usize| {
             let share = node[axis] as f64 / (self.count[axis] - 1) as f64;
             self.axes[axis] * (FROM_WALLS_M + share * (self.size_m[axis] - 2.0 * FROM_WALLS_M))
         };
-        self.corner + along(0) + along(1) + along(2)
+        let at = self.corner + along(0) + along(1) + along(2);
+        let within = self.outline.as_ref().map(|outline| outline.nearest_within(at.xy().coords, FROM_WALLS_M));
+        within.map_or(at, |within| Point3::new(within.x, within.y, at.z))
     }
 
     /// Light onto a surface, trilinear between the points of the lattice; onto a surface that faces along none of the axes, light from its three

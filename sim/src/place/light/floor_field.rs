@@ -1,9 +1,11 @@
 //! Distribution of light over the floors of a building.
 
-use nalgebra::Vector2;
+use std::sync::Arc;
+
+use nalgebra::{Vector2, vector};
 
 use super::{Illuminance, LightMap, Patch};
-use crate::place::building::{Building, Panel, Part};
+use crate::place::building::{Building, Panel, Part, Polygon};
 
 /// Distribution of light over the floors of a building's rooms: equivalent lux in the visible band (photons counted as lux at 555 nm), per lux of the
 /// mean illuminance of the robot's room.
@@ -13,9 +15,11 @@ pub struct FloorField {
     rooms: Vec<RoomField>,
 }
 
-/// Distribution of light over the rectangular floor of one room.
+/// Distribution of light over the floor of one room, in the rectangle around it.
 #[derive(Clone, Debug)]
 struct RoomField {
+    /// Outline of a floor that is not that rectangle, by distances along `axes` from the first node.
+    outline: Option<Arc<Polygon>>,
     /// World position of the first node of the grid of points at which the light on the floor is known, and the directions along a row of nodes
     /// and across the rows.
     corner_m: Vector2<f64>,
@@ -40,10 +44,18 @@ impl FloorField {
     }
 
     /// The illuminance at a point of the floor (world frame) relative to the mean over the robot's room, bilinear between the nodes of a floor's grid. A
-    /// point in no room has the light of the nearest place of the robot's room.
+    /// point in no room has the light of the nearest place of the robot's room, or of the nearest place of all rooms if one of these is a polygon.
     pub fn at(&self, place_m: Vector2<f64>) -> f64 {
-        let room = self.rooms.iter().find(|room| room.contains(place_m)).unwrap_or(&self.rooms[0]);
-        room.at(place_m)
+        if let Some(room) = self.rooms.iter().find(|room| room.contains(place_m)) {
+            return room.at(place_m);
+        }
+        if self.rooms.iter().all(|room| room.outline.is_none()) {
+            return self.rooms[0].at(place_m);
+        }
+        let nearest = self.rooms.iter().map(|room| (room, room.nearest_m(place_m)));
+        let away_m = |nearest_m: &Vector2<f64>| (nearest_m - place_m).norm();
+        let nearest = nearest.min_by(|(_, one), (_, other)| away_m(one).total_cmp(&away_m(other)));
+        nearest.map_or(0.0, |(room, nearest_m)| room.at(nearest_m))
     }
 }
 
@@ -54,6 +66,7 @@ impl RoomField {
         let node = |i: usize, j: usize| f64::from(nodes[(first[1] + j) * map.size[0] + first[0] + i][0]);
         let share = (0..count[1]).flat_map(|j| (0..count[0]).map(move |i| (i, j)));
         RoomField {
+            outline: panel.outline.clone(),
             corner_m: panel.corner.coords.xy(),
             axes: [panel.along, panel.up].map(|side| side.xy().normalize()),
             count,
@@ -68,7 +81,24 @@ impl RoomField {
     }
 
     fn contains(&self, place_m: Vector2<f64>) -> bool {
+        let within = |outline: &Arc<Polygon>| {
+            let from_corner = place_m - self.corner_m;
+            outline.contains(vector![from_corner.dot(&self.axes[0]), from_corner.dot(&self.axes[1])])
+        };
         (0..2).all(|axis| (0.0..=(self.count[axis] - 1) as f64).contains(&self.node(place_m, axis)))
+            && self.outline.as_ref().is_none_or(within)
+    }
+
+    /// The place of the room's floor that is nearest to a place outside of it.
+    fn nearest_m(&self, place_m: Vector2<f64>) -> Vector2<f64> {
+        let from_corner = place_m - self.corner_m;
+        let along = [0, 1].map(|axis| from_corner.dot(&self.axes[axis]));
+        let most = [0, 1].map(|axis| self.distance_m[axis] * (self.count[axis] - 1) as f64);
+        let within = match &self.outline {
+            Some(outline) => outline.nearest_within(along.into(), 0.0),
+            None => vector![along[0].clamp(0.0, most[0]), along[1].clamp(0.0, most[1])],
+        };
+        self.corner_m + self.axes[0] * within.x + self.axes[1] * within.y
     }
 
     fn at(&self, place_m: Vector2<f64>) -> f64 {

@@ -137,6 +137,7 @@ mod tests {
                 material: Material::matt(0.5),
                 part: Part::Wall,
                 room: 0,
+                outline: None,
             };
             let patch = Patch { first: [0, 0], count: [2, 2].map(|least| least + draw(0.0, 20.0) as usize) };
             let middle = Point3::new(0.5, 0.5, 1.0) + Vector3::from_fn(|_, _| draw(-2.0, 2.0));

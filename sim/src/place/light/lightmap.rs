@@ -8,7 +8,7 @@ use super::{
     Illuminance, Lighting, Shape, Source,
     ambient::Ambient,
     gathered::Thrown,
-    nodes::{Patch, hair, nodes_of},
+    nodes::{Patch, hair, nearest, nodes_of},
     occlusion::{Between, Occluders, weight},
     parallel::in_parallel,
     radiosity::Reflecting,
@@ -185,8 +185,13 @@ fn direct_nodes(lamps: &[&Source], occluders: &Occluders, panel: &Panel, patch: 
     let normal = panel.normal();
     let cells = Cells { panel, normal, step: patch.count.map(|count| 1.0 / (count - 1) as f64) };
     nodes_of(patch)
-        .map(|[s, t]| {
+        .map(|shares| {
             let mut sum = Illuminance::default();
+            // A node beyond the face's outline has the light of the nearest place within, and no light if nothing shows it.
+            let [s, t] = nearest(panel, shares);
+            if cells.is_unseen(shares, [s, t]) {
+                return sum;
+            }
             let mut between = Between::default();
             for (source, occluders) in &shadowing {
                 let unshadowed = source.illuminance(panel.place(s, t), normal);
@@ -218,6 +223,14 @@ struct Cells<'a> {
 }
 
 impl Cells<'_> {
+    /// Whether a node at `shares` of the face's sides is so far from `nearest`, the nearest place within the face's outline, that no such place is
+    /// beside it.
+    fn is_unseen(&self, shares: [f64; 2], nearest: [f64; 2]) -> bool {
+        let away = self.panel.place(shares[0], shares[1]) - self.panel.place(nearest[0], nearest[1]);
+        let cell = self.panel.along * self.step[0] + self.panel.up * self.step[1];
+        away.norm() > 1.2 * cell.norm()
+    }
+
     /// Share of a lamp that is visible from the cell around a node, weighted by what each point of the lamp contributes.
     ///
     /// Points in the cell are paired with points on the lamp in such a way that the partners of each row, column and diagonal of the one grid are
@@ -249,8 +262,9 @@ impl Cells<'_> {
         let (mut seen, mut total) = (0.0, 0.0);
         for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
             let at = at(within(i), within(j));
-            // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside.
-            if between.contain(at) {
+            // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside. So is a
+            // point beyond the face's outline.
+            if between.contain(at) || !panel.has([s + step[0] * within(i), t + step[1] * within(j)]) {
                 continue;
             }
             let on_lamp = |place: usize| (place % N) as f64 * 2.0 / N as f64 + 1.0 / N as f64 - 1.0;

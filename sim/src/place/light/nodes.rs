@@ -33,15 +33,23 @@ pub(super) fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
         .flat_map(move |j| (0..patch.count[0]).map(move |i| [share(i, patch.count[0]), share(j, patch.count[1])]))
 }
 
-/// Moves a point of a flat face away from the face's edge by a hair. The edge lies in the planes of the neighbouring faces, where it is undefined
+/// Moves a point of a flat face away from the face's edge by a hair, into its outline if it has one. The edge lies in the planes of the neighbouring faces, where it is undefined
 /// whether they hide it.
 pub(super) fn inside(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
     let hair = hair(panel);
-    [0, 1].map(|axis| shares[axis].clamp(hair[axis], 1.0 - hair[axis]))
+    let within = nearest(panel, shares);
+    [0, 1].map(|axis| within[axis].clamp(hair[axis], 1.0 - hair[axis]))
 }
+
+/// The nearest place within the outline of a flat face, a hair away from its edges; without an outline the point itself.
+pub(super) fn nearest(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
+    panel.nearest_within(shares, HAIR_M)
+}
+
+/// The width of a hair, by which points of a face keep away from its edges.
+const HAIR_M: f64 = 0.002;
 
 /// The width of a hair, as shares of a face's sides.
 pub(super) fn hair(panel: &Panel) -> [f64; 2] {
-    const HAIR_M: f64 = 0.002;
     panel.size_m().map(|side_m| (HAIR_M / side_m).min(0.5))
 }

@@ -69,8 +69,8 @@ impl Occluders {
                     && corners.iter().any(|corner| corner[axis] <= high[axis])
             })
         };
-        // A room is convex, so that no wall stands between two points within it.
-        let in_one_room = self.rooms.iter().any(|room| places.iter().all(|at| room.contains(*at)));
+        // No wall stands between two points within a convex part of a room.
+        let in_one_room = self.rooms.iter().any(|room| room.holds_together(places));
         let walls = self.walls.iter().filter(|wall| !in_one_room && reaches(&wall.corners()));
         Occluders {
             boxes: self.boxes.iter().filter(|one| reaches(&one.corners)).copied().collect(),

@@ -197,6 +197,7 @@ mod tests {
             material: Material::matt(0.5),
             part: Part::Thing,
             room: 0,
+            outline: None,
         };
         vec![
             panel([0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [0.0, 4.0, 0.0]),

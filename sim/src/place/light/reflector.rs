@@ -102,7 +102,8 @@ impl Cover<'_> {
         let share = |axis: usize, within: f64| (cell[axis] as f64 + within) / count[axis] as f64;
         let sample = |index: usize| (index as f64 + 0.5) / SAMPLES as f64;
         let samples = (0..SAMPLES).flat_map(|j| (0..SAMPLES).map(move |i| [share(0, sample(i)), share(1, sample(j))]));
-        let shares: Vec<[f64; 2]> = samples.filter(|[s, t]| self.is_open(index, panel.place(*s, *t))).collect();
+        let shares: Vec<[f64; 2]> =
+            samples.filter(|at| panel.has(*at) && self.is_open(index, panel.place(at[0], at[1]))).collect();
         let normal = panel.normal();
         let places: Vec<Point3<f64>> = shares.iter().map(|[s, t]| panel.place(*s, *t) + normal * BEFORE_M).collect();
         let sum = places.iter().fold(Vector3::zeros(), |sum, place| sum + place.coords);

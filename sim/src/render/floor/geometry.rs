@@ -260,10 +260,7 @@ pub(super) fn walls_in_view<'a>(
         // ends in an open door, so does the band.
         let beside = from + along * (-from).dot(&along) + outward * (depth_m / 2.0);
         let reach_m = [(from - beside).dot(&along), (to - beside).dot(&along)];
-        let ends_m = [
-            if face.goes_on[0] { -depth_m } else { reach_m[0].max(-depth_m) },
-            if face.goes_on[1] { depth_m } else { reach_m[1].min(depth_m) },
-        ];
+        let ends_m = [(reach_m[0] - face.goes_on_m[0]).max(-depth_m), (reach_m[1] + face.goes_on_m[1]).min(depth_m)];
         let margin_m = seen.widest_margin_m();
         (farthest_m + margin_m > 0.0 && ends_m[0] < ends_m[1]).then(|| BandInstance {
             albedo: WALL_ALBEDO,

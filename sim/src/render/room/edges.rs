@@ -76,26 +76,30 @@ type Rectangle = (Point3<f64>, Vector3<f64>, Vector3<f64>);
 /// Edges of all panels (flat faces) and rectangular lamps. For a rolling shutter, which bends faces and edges alike, edges are cut into pieces as
 /// the faces are; otherwise they are whole. Edges of things that stand out from walls come last, because they hide the edges just behind them.
 pub(super) fn of_building(building: &Building, lighting: &Lighting, rolling: bool) -> (Vec<EdgeOnDevice>, Edges) {
-    let panels =
-        building.panels.iter().enumerate().map(|(index, panel)| (Some(index), (panel.corner, panel.along, panel.up)));
+    let rectangular = building.panels.iter().enumerate().filter(|(_, panel)| panel.outline.is_none());
+    let panels = rectangular.map(|(index, panel)| (Some(index), (panel.corner, panel.along, panel.up)));
     let lamps = lighting.sources.iter().filter_map(|source| match source.shape {
         Shape::Rectangle { centre, half_u, half_v } => {
             Some((None, (centre - half_u - half_v, 2.0 * half_u, 2.0 * half_v)))
         }
         Shape::Point { .. } => None,
     });
-    let of_rectangle = |(panel, (corner, along, up)): (Option<usize>, Rectangle)| {
-        let sides = [(corner, along), (corner + along, up), (corner + along + up, -along), (corner + up, -up)];
-        sides.into_iter().flat_map(move |(start, side)| {
-            let count = if rolling { cells_along(side.norm()) } else { 1 };
-            let at = move |index: u32| start + side * (f64::from(index) / f64::from(count));
-            let normal = along.cross(&up);
-            (0..count).map(move |index| {
-                ([panel, None], EdgeOnDevice::new(at(index), at(index + 1), normal, Vector3::zeros()))
-            })
-        })
+    let of_side = move |panel: Option<usize>, normal: Vector3<f64>, start: Point3<f64>, side: Vector3<f64>| {
+        let count = if rolling { cells_along(side.norm()) } else { 1 };
+        let at = move |index: u32| start + side * (f64::from(index) / f64::from(count));
+        (0..count)
+            .map(move |index| ([panel, None], EdgeOnDevice::new(at(index), at(index + 1), normal, Vector3::zeros())))
     };
-    let all = meetings(&building.panels).chain(panels.chain(lamps).flat_map(of_rectangle));
+    let of_rectangle = move |(panel, (corner, along, up)): (Option<usize>, Rectangle)| {
+        let sides = [(corner, along), (corner + along, up), (corner + along + up, -along), (corner + up, -up)];
+        sides.into_iter().flat_map(move |(start, side)| of_side(panel, along.cross(&up), start, side))
+    };
+    let outlined = building.panels.iter().enumerate().flat_map(move |(index, panel)| {
+        let place = |at: nalgebra::Vector2<f64>| panel.place(at.x / panel.along.norm(), at.y / panel.up.norm());
+        let sides = panel.outline.iter().flat_map(|outline| outline.sides()).map(move |ends| ends.map(place));
+        sides.flat_map(move |[from, to]| of_side(Some(index), panel.normal(), from, to - from))
+    });
+    let all = meetings(&building.panels).chain(outlined).chain(panels.chain(lamps).flat_map(of_rectangle));
     let (panels, edges): (Vec<_>, Vec<_>) = all.unzip();
     (edges, Edges { panels })
 }

@@ -5,7 +5,11 @@ use std::{collections::BTreeMap, ops::Range};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Point3, Vector3};
 
-use super::{glints::GlossyCell, pipelines::Kind};
+use super::{
+    glints::GlossyCell,
+    parts::{NodeOnDevice, Parts, Rectangle},
+    pipelines::Kind,
+};
 use crate::{
     place::{
         building::Building,
@@ -36,14 +40,6 @@ pub(super) struct SurfaceOnDevice {
     up: [f32; 4],
     nodes: [f32; 4],
     size: [f32; 4],
-}
-
-/// Device layout of `Node` of surface.wgsl: a vertex of a flat face (panel) of the building.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct NodeOnDevice {
-    surface: u32,
-    share: [f32; 2],
 }
 
 /// Device layout of `Lamp` of world.wgsl: one lamp.
@@ -109,21 +105,18 @@ pub(super) struct Cells {
 #[derive(Debug)]
 struct Face {
     panel: usize,
-    whole: Rectangle,
+    whole: Vec<Rectangle>,
     blocks: Vec<Block>,
 }
 
 /// A block of a flat face of the building as triangles, both as a whole and cut into cells.
 #[derive(Debug)]
 struct Block {
-    whole: Rectangle,
+    whole: Vec<Rectangle>,
     cells: Vec<Rectangle>,
     /// What is needed to determine which lamps are seen reflected in this block of a flat face; `None` if the face does not mirror.
     glossy: Option<GlossyCell>,
 }
-
-/// A rectangle as two triangles, each given by the indices of its three vertices.
-type Rectangle = [u32; 6];
 
 /// Indices of the vertices of the faces to draw, three to a triangle, and the runs into which they are divided.
 #[derive(Debug, Default)]
@@ -167,12 +160,11 @@ impl Cells {
                 let lamps: Vec<Range<u32>> =
                     face.blocks.iter().map(|block| block.glossy.as_ref().map_or(0..0, lamps_in)).collect();
                 if !rolling && lamps.iter().all(Range::is_empty) {
-                    by_lamps.entry([0, 0]).or_default().push(face.whole);
+                    by_lamps.entry([0, 0]).or_default().extend(&face.whole);
                     continue;
                 }
                 for (block, lamps) in face.blocks.iter().zip(lamps) {
-                    let whole = std::slice::from_ref(&block.whole);
-                    let pieces = if rolling { &block.cells[..] } else { whole };
+                    let pieces = if rolling { &block.cells } else { &block.whole };
                     by_lamps.entry([lamps.start, lamps.end]).or_default().extend(pieces);
                 }
             }
@@ -210,16 +202,7 @@ pub(super) fn cells(building: &Building, lighting: &Lighting) -> (Vec<NodeOnDevi
 fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Face {
     let panel = &building.panels[panel_index];
     let [columns, rows] = panel.size_m().map(cells_along);
-    let first = nodes.len() as u32;
-    nodes.extend((0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| NodeOnDevice {
-        surface: panel_index as u32,
-        share: [i as f32 / columns as f32, j as f32 / rows as f32],
-    }));
-    // The two triangles of a rectangle that is given by two vertices at opposite corners.
-    let rectangle = |[i, j]: [u32; 2], [right, top]: [u32; 2]| {
-        let at = |i: u32, j: u32| first + j * (columns + 1) + i;
-        [at(i, j), at(right, j), at(right, top), at(i, j), at(right, top), at(i, top)]
-    };
+    let mut parts = Parts::new(panel_index, panel, [columns, rows], nodes);
     let glossy = |[i, j]: [u32; 2], [right, top]: [u32; 2]| {
         let place = |i: u32, j: u32| {
             panel.corner
@@ -233,18 +216,22 @@ fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: 
             roughness_rad: panel.material.roughness_rad,
             lamps: Vec::new(),
         };
-        let seen = (0_u32..).zip(in_order(lighting)).filter(|(_, lamp)| cell.sees(&lamp.shape, &lighting.occluders));
+        // From a corner beyond the face's outline, which may be behind a wall, nothing can be told of what the face shows.
+        let has = |i: u32, j: u32| panel.has([f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows)]);
+        let is_whole = has(i, j) && has(right, j) && has(right, top) && has(i, top);
+        let sees = |lamp: &Source| !is_whole || cell.sees(&lamp.shape, &lighting.occluders);
+        let seen = (0_u32..).zip(in_order(lighting)).filter(|(_, lamp)| sees(lamp));
         cell.lamps = seen.map(|(index, _)| index).collect();
         cell
     };
     let along =
         |from: u32, to: u32, step: u32| (from..to).step_by(step as usize).map(move |low| [low, (low + step).min(to)]);
     let is_glossy = Kind::of(&panel.material).gloss();
-    let block = |[i, right]: [u32; 2], [j, top]: [u32; 2]| Block {
-        whole: rectangle([i, j], [right, top]),
+    let mut block = |[i, right]: [u32; 2], [j, top]: [u32; 2]| Block {
+        whole: parts.between([i, j], [right, top]),
         cells: along(j, top, 1)
             .flat_map(|[j, top]| along(i, right, 1).map(move |[i, right]| ([i, j], [right, top])))
-            .map(|(low, high)| rectangle(low, high))
+            .flat_map(|(low, high)| parts.between(low, high))
             .collect(),
         glossy: is_glossy.then(|| glossy([i, j], [right, top])),
     };
@@ -252,7 +239,7 @@ fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: 
         .flat_map(|upwards| along(0, columns, BLOCK_CELLS).map(move |sideways| (sideways, upwards)))
         .map(|(sideways, upwards)| block(sideways, upwards))
         .collect();
-    Face { panel: panel_index, whole: rectangle([0, 0], [columns, rows]), blocks }
+    Face { panel: panel_index, whole: parts.whole(), blocks }
 }
 
 /// Lamps with their luminance in one band (visible or infrared), in their order on the device. The luminance includes the room's light that the

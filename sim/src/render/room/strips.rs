@@ -87,6 +87,7 @@ mod tests {
             material: Material::matt(0.5),
             part: Part::Thing,
             room: 0,
+            outline: None,
         };
         let lens = Lens::ideal([640, 480], 417.0);
         let camera = Isometry3::from(Translation3::identity());
@@ -104,6 +105,7 @@ mod tests {
             material: Material::matt(0.5),
             part: Part::Thing,
             room: 0,
+            outline: None,
         };
         // The normal of the flat face, along × up, points to −x.
         let count = |x_m: f64, rolling: bool| strips((7, &panel), 1, &[Point3::new(x_m, 0.0, 0.0)], rolling).count();

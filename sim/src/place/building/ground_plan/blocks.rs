@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, vector};
 
 use super::{GroundPlan, Rooms, WALL_THICKNESS_M, Wall};
+use crate::place::building::polygon::overlap;
 
 /// Least thickness of a block. Where rooms meet at a sharp angle, or stand wall to wall without a wall's thickness between them, the block reaches into
 /// the other room by this much at most.
@@ -66,7 +67,7 @@ impl Rooms {
     fn thickness_m(&self, wall: &Wall, outward: Vector2<f64>) -> f64 {
         let [from, to] = wall.ends_m;
         let inset = (to - from).normalize() * TOUCH_M;
-        let floors: Vec<[Vector2<f64>; 4]> = self.floors().collect();
+        let floors: Vec<Vec<Vector2<f64>>> = self.floors().collect();
         let is_free = |thick_m: f64| {
             let (near, far) = (outward * TOUCH_M, outward * (thick_m - TOUCH_M));
             let block = [from + inset + near, to - inset + near, to - inset + far, from + inset + far];
@@ -82,22 +83,4 @@ impl Rooms {
         }
         free_m
     }
-}
-
-/// Whether two convex quadrilaterals have more than a point in common: no side of either has the other wholly on its far side (separating axes).
-fn overlap(one: &[Vector2<f64>; 4], other: &[Vector2<f64>; 4]) -> bool {
-    let parts = |one: &[Vector2<f64>; 4], other: &[Vector2<f64>; 4]| {
-        (0..4).any(|index| {
-            let side = one[(index + 1) % 4] - one[index];
-            let beside = |corner: &Vector2<f64>| side.perp(&(corner - one[index]));
-            let [own, others] = [one, other].map(|shape| {
-                shape
-                    .iter()
-                    .map(beside)
-                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
-            });
-            own[1] <= others[0] || others[1] <= own[0]
-        })
-    };
-    !parts(one, other) && !parts(other, one)
 }

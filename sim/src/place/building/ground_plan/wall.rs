@@ -13,14 +13,22 @@ pub(super) struct Wall {
     pub(super) between_m: [f64; 2],
     /// Index of the room that the wall belongs to; `None` for the wall's end inside an open door.
     pub(super) room: Option<usize>,
-    /// Whether the start and the end are corners of the room.
-    pub(super) is_corner: [bool; 2],
+    /// How far the floor behind the wall's line is no floor of the room, beyond the wall's start and beyond its end. It is 0 at an end that is no
+    /// corner of the room.
+    pub(super) free_beyond_m: [f64; 2],
 }
 
 impl Wall {
-    pub(super) fn on(side: &Side, room: usize, shares: [f64; 2], between_m: [f64; 2]) -> Wall {
+    /// The part of a room's side between two shares of its length; `free_beyond_m` is of the whole side.
+    pub(super) fn on(
+        side: &Side,
+        (room, free_beyond_m): (usize, [f64; 2]),
+        shares: [f64; 2],
+        between_m: [f64; 2],
+    ) -> Wall {
         let is_corner = [shares[0] == 0.0, shares[1] == 1.0];
-        Wall { ends_m: feet(side, shares), between_m, room: Some(room), is_corner }
+        let free_beyond_m = [0, 1].map(|end| if is_corner[end] { free_beyond_m[end] } else { 0.0 });
+        Wall { ends_m: feet(side, shares), between_m, room: Some(room), free_beyond_m }
     }
 
     pub(super) fn distance_m(&self, at: Vector2<f64>) -> f64 {
