@@ -68,9 +68,13 @@ fn some_scenes_lead_through_an_open_door_into_another_room() {
         let waypoints = scene.get("route").and_then(|route| route["waypoint"].as_array()).into_iter().flatten();
         let goes_out = waypoints.filter_map(|waypoint| waypoint.get("x_m")?.as_float()).any(|x_m| x_m > width_m);
         let is_valid = Scene::parse(&scene.to_string(), "drawn.toml").is_ok();
-        (goes_out, goes_out && is_valid)
+        let is_polygon = goes_out && scene["building"]["room"][0].get("corners_m").is_some();
+        (goes_out, goes_out && is_valid, is_polygon && is_valid)
     };
-    let drawn: Vec<(bool, bool)> = (0..400).map(leads_out).collect();
-    let (out, valid) = (drawn.iter().filter(|(out, _)| *out).count(), drawn.iter().filter(|(_, valid)| *valid).count());
+    let drawn: Vec<(bool, bool, bool)> = (0..400).map(leads_out).collect();
+    let (out, valid) =
+        (drawn.iter().filter(|(out, ..)| *out).count(), drawn.iter().filter(|(_, valid, _)| *valid).count());
     assert!(out > 8 && 10 * valid > 7 * out, "{valid} of {out} are valid");
+    let polygons = drawn.iter().filter(|(.., is_polygon)| *is_polygon).count();
+    assert!(polygons > 3 && valid - polygons > 3, "{polygons} of {valid} are polygons");
 }

@@ -3,7 +3,7 @@
 use toml::{Table, Value};
 
 use crate::{
-    campaign::falsify::dice::{Draws, rounded},
+    campaign::falsify::dice::{Dice, Draws, rounded},
     scene::Robot,
 };
 
@@ -11,6 +11,9 @@ use super::tables::{items, number, table};
 
 /// Probability with which a scene with a route gets a room behind an open door.
 const PROBABILITY: f64 = 0.08;
+
+/// Probability with which that room is a polygon and not a rectangle.
+const POLYGONAL: f64 = 0.4;
 
 /// Gives some scenes a second room beside the robot's, behind a wall of some centimetres with an open door in it. The route then begins with the way
 /// through this door to the middle of the room behind it, as runs are too short for a way that comes last. Such a scene has no other doors and rooms.
@@ -29,12 +32,20 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, [width_m, depth_m]: [f64;
     let numbers = |pairs: &[(&str, f64)]| -> Table {
         pairs.iter().map(|(key, value)| ((*key).to_owned(), Value::Float(rounded(*value, 3)))).collect()
     };
-    let room = numbers(&[
-        ("x_m", far_x_m),
-        ("y_m", -below_m),
-        ("width_m", far_width_m),
-        ("depth_m", depth_m + below_m + above_m),
-    ]);
+    let mut shape = draws.dice("shape of the room behind a door");
+    let room = if shape.chance(POLYGONAL) {
+        let corners_m = polygon(&mut shape, [far_x_m, -below_m], [far_width_m, depth_m + below_m + above_m]);
+        let place = |corner_m: [f64; 2]| Value::Array(corner_m.map(|at_m| Value::Float(rounded(at_m, 4))).to_vec());
+        let corners = corners_m.into_iter().map(place).collect();
+        std::iter::once(("corners_m".to_owned(), Value::Array(corners))).collect()
+    } else {
+        numbers(&[
+            ("x_m", far_x_m),
+            ("y_m", -below_m),
+            ("width_m", far_width_m),
+            ("depth_m", depth_m + below_m + above_m),
+        ])
+    };
     let jamb = |y_m: f64| Value::Array([width_m, y_m].map(|at_m| Value::Float(rounded(at_m, 4))).to_vec());
     let mut door = Table::new();
     door.insert("from_m".to_owned(), jamb(middle_m - 0.5 * door_m));
@@ -50,4 +61,23 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, [width_m, depth_m]: [f64;
     if let Some(Value::Array(waypoints)) = route.get_mut("waypoint") {
         waypoints.splice(0..0, way);
     }
+}
+
+/// Draws a polygon that holds a rectangle and has the whole of its left side: with a slanted wall at the right, or the bend of two, and with an arm at
+/// the upper end in half of all cases. The corners go round either way.
+fn polygon(dice: &mut Dice, [x_m, y_m]: [f64; 2], [width_m, depth_m]: [f64; 2]) -> Vec<[f64; 2]> {
+    let [right_m, top_m] = [x_m + width_m, y_m + depth_m];
+    let mut out_m = || right_m + dice.uniform(0.0, 1.0);
+    let mut corners_m = vec![[x_m, y_m], [out_m(), y_m], [out_m(), y_m + 0.6 * depth_m], [out_m(), top_m]];
+    if dice.chance(0.5) {
+        let inner_m = x_m + width_m * dice.uniform(0.3, 0.9);
+        let end_m = top_m + dice.uniform(0.3, 2.0);
+        corners_m.extend([[inner_m, top_m], [inner_m, end_m], [x_m, end_m]]);
+    } else {
+        corners_m.push([x_m, top_m]);
+    }
+    if dice.chance(0.5) {
+        corners_m.reverse();
+    }
+    corners_m
 }

@@ -32,7 +32,7 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 47] = [
+const CHANCES: [(&str, f64); 52] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("log", 0.0),
@@ -41,6 +41,12 @@ const CHANCES: [(&str, f64); 47] = [
     ("duration_s", 0.0),
     ("room", 0.0),
     ("building.room", 0.1),
+    // A room is a rectangle, for which all of these are needed, unless `far_room` makes it a polygon.
+    ("building.room.x_m", 1.0),
+    ("building.room.y_m", 1.0),
+    ("building.room.width_m", 1.0),
+    ("building.room.depth_m", 1.0),
+    ("building.room.corners_m", 0.0),
     ("markers.layout.margin_px", 0.5),
     ("start", 1.0),
     ("route", 1.0),
