@@ -159,6 +159,28 @@ fn a_scene_states_other_noise_for_a_filter_and_the_user_still_another() {
 }
 
 #[test]
+fn a_scene_states_other_noise_of_cues_for_each_filter() {
+    let text = fs::read_to_string(root().join("scenes/gnss.toml")).unwrap();
+    let scene = |filters: &str| {
+        let mut scene = Scene::parse(&format!("{text}\n{filters}"), "gnss.toml").unwrap();
+        scene.duration_s = 5.0;
+        scene
+    };
+    for name in ["ekf", "particles"] {
+        let width_m = |scene: &Scene, subject: &str| {
+            let verdict = judged(scene, subject, 1).1;
+            verdict.distribution.unwrap().region_3_sigma.x_m.mean_by_third[2]
+        };
+        let (usual, noisier) = (scene(""), scene(&format!("[filters.{name}]\ncues = 5.0\n")));
+        let [by_default, of_scene] = [&usual, &noisier].map(|scene| width_m(scene, name));
+        println!("{name}: {by_default} m, {of_scene} m");
+        assert!(of_scene > 1.5 * by_default, "{name}: {of_scene} m beside {by_default} m");
+        assert_eq!(width_m(&usual, &format!("{name},cues=5")), of_scene, "{name}");
+        assert_eq!(width_m(&noisier, &format!("{name},cues=1")), by_default, "{name}");
+    }
+}
+
+#[test]
 fn localizers_stand_side_by_side_in_a_report_and_are_compared_run_by_run() {
     let folder = folder_of("subjects_beside", &[("blind.toml", &blind_scene(2.0, ""))]);
     for name in ["intervals", "ekf", "particles"] {

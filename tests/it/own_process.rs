@@ -204,7 +204,8 @@ fn a_mistyped_name_is_not_taken_for_a_command() {
     assert!(!run.exists());
     for (subject, expected) in [
         ("ekf,", "expected motion=FACTOR or cues=FACTOR"),
-        ("ekf,motion=0", "a number above 0"),
+        ("ekf,motion=0", "a number from 0.001 to 1000"),
+        ("particles,cues=1e9", "a number from 0.001 to 1000"),
         ("ekf,noise=2", "expected motion=FACTOR or cues=FACTOR"),
         ("particles,motion=2,cues=1,motion=3", "`motion` is stated twice"),
         ("intervals,motion=2", "boxes have no standard deviations"),

@@ -17,6 +17,8 @@ mod readout;
 #[cfg(feature = "vision")]
 mod rows;
 #[cfg(feature = "vision")]
+mod sight;
+#[cfg(feature = "vision")]
 pub mod wall_bearings;
 #[cfg(feature = "vision")]
 pub mod wall_directions;

@@ -18,7 +18,7 @@ use interval::Interval;
 
 use super::{
     rows::Rows,
-    wall_directions::sight::{in_robot, length_px, ray},
+    sight::{in_robot, length_px, ray},
 };
 
 /// Least distance from the camera of what an edge shows.

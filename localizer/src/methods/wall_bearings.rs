@@ -45,7 +45,8 @@ use crate::{
 
 use super::{
     readout::{Readout, Tells},
-    wall_directions::{BLUR_SHARE, NEW_PLACE_M, NEW_PLACE_RAD, sight::elevation_of},
+    sight::elevation_of,
+    wall_directions::{BLUR_SHARE, NEW_PLACE_M, NEW_PLACE_RAD},
     window::Window,
 };
 

@@ -20,19 +20,18 @@ mod held;
 mod learnt;
 mod posture;
 mod quotas;
-pub(super) mod sight;
 
+pub use super::sight::ray;
 pub use quotas::Quotas;
-pub use sight::ray;
 
 use agreement::WallHeadings;
 use held::{Certificates, headings_now};
 use learnt::Direction;
 use posture::{Agreement, Told, View};
-use sight::SightPlane;
 
 use super::{
     readout::{Readout, Tells},
+    sight::{self, SightPlane},
     window::{Held, Window},
 };
 

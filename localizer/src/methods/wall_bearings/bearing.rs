@@ -2,10 +2,7 @@
 
 use interval::Interval;
 
-use super::super::wall_directions::{
-    ray,
-    sight::{Lean, SightPlane, in_robot},
-};
+use super::super::sight::{Lean, SightPlane, in_robot, ray};
 use crate::{robot::ForwardCameraModel, vision::forward::EdgeLine};
 
 /// Greatest width of a bearing, in radians, with which an edge is used: one of which less is known matches nearly any edge of the map.

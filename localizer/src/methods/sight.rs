@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 
-use super::super::lean::{heading_off_rad, twist_of_two_rad};
+use super::lean::{heading_off_rad, twist_of_two_rad};
 use interval::{Dual, Interval};
 
 use crate::{
@@ -46,9 +46,9 @@ type Number = Dual<N_PARAMETERS>;
 
 /// Plane through an edge and the optical centre, for a robot and a camera in their nominal posture.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::methods) struct SightPlane {
+pub(super) struct SightPlane {
     /// Unit normal of the plane in the robot's frame: forward, left, up.
-    pub(in crate::methods) normal: Vector3<f64>,
+    pub(super) normal: Vector3<f64>,
     /// Vectors that may be added to the normal, each times any number from −1 to 1: by both ends' bounds, the principal point along u and
     /// v, and the focal length.
     pub(super) moves: [Vector3<f64>; MOVING.len()],
@@ -64,7 +64,7 @@ impl SightPlane {
     /// normal is the product of the rays of both ends, enclosed by the mean value form over the box of s, t, c and f: the slopes at the
     /// middle move the normal, and their variation over the box goes into the remaining error of the normal. A change of the normal's
     /// length alone says nothing about the plane and is taken out.
-    pub(in crate::methods) fn of(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<Self> {
+    pub(super) fn of(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<Self> {
         let parameters = parameters(line, camera);
         let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
         let mut deviations = [Interval::ZERO; N_PARAMETERS];
@@ -113,12 +113,12 @@ impl SightPlane {
     }
 
     /// Whether the edge may be upright when robot and camera together lean by up to `tilt_rad`.
-    pub(in crate::methods) fn may_be_upright(&self, tilt_rad: f64) -> bool {
+    pub(super) fn may_be_upright(&self, tilt_rad: f64) -> bool {
         self.normal.z.abs() <= self.reach(&Vector3::z()) + tilt_rad
     }
 
     /// Direction of the level line in the plane, from robot forward by the nominal mount, at any lean of robot and camera; `None` when it may be any.
-    pub(in crate::methods) fn level_direction(&self, lean: Lean) -> Option<Interval> {
+    pub(super) fn level_direction(&self, lean: Lean) -> Option<Interval> {
         let reach = |along: &Vector3<f64>| {
             // A turn about any level axis moves the normal by the normal's part across that axis: seen from above, by its height alone.
             let level = self.normal.z.abs() * along.xy().norm() + self.normal.xy().norm() * along.z.abs();
@@ -206,7 +206,7 @@ fn normal(
 
 /// Vector of the camera's frame (right, down, ahead) expressed in the robot's frame: the optical axis is (cos τ, 0, sin τ) forward, left
 /// and up, image down is (sin τ, 0, −cos τ), and image right is (0, −1, 0).
-pub(in crate::methods) fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
+pub(super) fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
     let (sin, cos) = tilt_up_rad.sin_cos();
     Vector3::new(part.z * cos + part.y * sin, -part.x, part.z * sin - part.y * cos)
 }
@@ -247,7 +247,7 @@ pub(super) fn level_direction(normal: &Vector3<f64>, reach: impl Fn(&Vector3<f64
 
 /// Bounds on the lean of robot and camera together, about any level axes.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::methods) struct Lean {
+pub(super) struct Lean {
     /// Greatest turn of robot and camera together about a level axis.
     pub(super) angle_rad: f64,
     /// Greatest difference, for a vector of length one, between a turn by the lean and its linear approximation: |exp(iλ) − 1 − iλ| ≤ λ²/2.
@@ -258,7 +258,7 @@ pub(in crate::methods) struct Lean {
 }
 
 impl Lean {
-    pub(in crate::methods) fn of(angle_rad: f64) -> Self {
+    pub(super) fn of(angle_rad: f64) -> Self {
         let bent = (Interval::point(angle_rad).sqr() * 0.5).hi();
         Lean { angle_rad, bent, twist_rad: twist_of_two_rad(angle_rad) + heading_off_rad(angle_rad) }
     }
@@ -304,7 +304,7 @@ pub fn ray(pixel: [f64; 2], camera: &ForwardCameraModel) -> Vector3<f64> {
 }
 
 /// Distance between an edge's ends.
-pub(in crate::methods) fn length_px(line: &EdgeLine) -> f64 {
+pub(super) fn length_px(line: &EdgeLine) -> f64 {
     let [[u0, v0], [u1, v1]] = line.ends_px;
     (u1 - u0).hypot(v1 - v0)
 }
@@ -325,7 +325,7 @@ pub(super) fn crosses_horizon(line: &EdgeLine, camera: &ForwardCameraModel, tilt
 }
 
 /// Tangent of the elevation above the horizon at which a pixel looks, by nominal values; `None` where the lens model folds back.
-pub(in crate::methods) fn elevation_of(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<f64> {
+pub(super) fn elevation_of(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<f64> {
     ideal(pixel, camera).map(|at| elevation(at, camera))
 }
 
