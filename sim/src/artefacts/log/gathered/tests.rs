@@ -150,6 +150,8 @@ fn a_scan_whose_least_and_greatest_range_hold_no_distance_is_dropped_and_one_wit
         between_m: [0.1, 10.0],
         distances_m: vec![1.0, 2.0],
     };
-    let (reason, detail) = scan_of(in_one_direction, 0.0, &Scanner::default()).unwrap_err();
+    let Err((reason, detail)) = scan_of(in_one_direction, 0.0, &Scanner::default()) else {
+        panic!("beams in one direction are read")
+    };
     assert!(reason.contains("one direction") && detail.contains("`angle_increment` is 0"), "{reason}: {detail}");
 }
