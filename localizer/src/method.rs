@@ -197,8 +197,8 @@ pub enum Claim {
         /// Share of the claimed points that may be farther from the true joint than their bound.
         share_wrong: f64,
     },
-    /// A claim that a level line along one of the building's directions was seen, and that its image passes both given end points within the bound. As
-    /// for all claims of edges, the image is that of a global shutter at the stamp, also where the camera's shutter is a rolling one.
+    /// A claim that a level line along one of the building's directions was seen, and that its image passes both given end points within the bound.
+    /// As for all claims of edges, the image is that of a global shutter at the stamp, also where the camera's shutter is a rolling one.
     WallLine {
         /// First and last point of the claimed line in the image, `[u, v]`.
         ends_px: [[f64; 2]; 2],

@@ -203,8 +203,8 @@ fn people_in_a_hall() {
     }
 }
 
-/// Measures a drive through a supermarket among three people, and how long its first picture takes from the scene's file on. The layout of its markers
-/// is kept from the first time on.
+/// Measures a drive through a supermarket among three people, and how long its first picture takes from the scene's file on. The layout of its
+/// markers is kept from the first time on.
 fn supermarket() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("scenes/rooms/supermarket.toml");
     Scene::load(&file).unwrap();

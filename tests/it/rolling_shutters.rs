@@ -7,7 +7,8 @@ use crate::{command::root, render_studio::judged};
 #[test]
 fn edges_behind_a_rolling_shutter_are_claimed_where_they_are_at_the_stamp() {
     // 50 µs from row to row, so that an image takes 24 ms. With all rows taken for one instant, half of the upright edges of the first minute were
-    // claimed falsely, and so were 6 to 8 % of the level ones; turned at 1 rad/s, the camera moves edges by up to 5 px from where they are at the stamp.
+    // claimed falsely, and so were 6 to 8 % of the level ones; turned at 1 rad/s, the camera moves edges by up to 5 px from where they are at the
+    // stamp.
     let mut scene = Scene::load(&root().join("scenes/home_bearings.toml")).unwrap();
     scene.duration_s = 24.0;
     scene.robot.forward_camera.as_mut().unwrap().lens.row_time_s = 5e-5;

@@ -17,6 +17,7 @@ mod picture;
 mod sketched;
 mod steps;
 mod text;
+mod worst;
 
 pub use chosen::shown_figures;
 pub use files::write;

@@ -21,15 +21,18 @@ impl Filters {
     }
 }
 
+/// Least and greatest factor on a filter's standard deviations.
+pub(crate) const FACTORS: [f64; 2] = [0.001, 1000.0];
+
 /// Factors on a filter's standard deviations. The option `--subject` may state others, as in `--subject ekf,motion=2`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FilterNoise {
     /// Factor for all errors of wheels, gyroscope and flow sensor: their noise, their slip, and the errors of their constants.
-    #[schemars(range(min = 0.001, max = 1000.0))]
+    #[schemars(range(min = FACTORS[0], max = FACTORS[1]))]
     pub motion: f64,
     /// Factor for the noise of all other measurements. The errors of mounts, scales and floor plan, which last, are not multiplied.
-    #[schemars(range(min = 0.001, max = 1000.0))]
+    #[schemars(range(min = FACTORS[0], max = FACTORS[1]))]
     pub cues: f64,
 }
 

@@ -52,6 +52,7 @@ pub use error::SceneError;
 pub use events::{Event, Side, Stuck};
 pub use expect::Expect;
 pub(crate) use extend::text_of;
+pub(crate) use filters::FACTORS;
 pub use filters::{FilterNoise, Filters};
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use further_room::FurtherRoom;

@@ -2,11 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-use crate::scene::FilterNoise;
-
-/// Least and greatest factor, as for the scene's keys.
-const LEAST: f64 = 0.001;
-const GREATEST: f64 = 1000.0;
+use crate::scene::{FACTORS, FilterNoise};
 
 /// Factors on a filter's standard deviations that the option `--subject` states, as in `ekf,motion=2,cues=0.5`. For one that it does not state, that
 /// of the scene holds.
@@ -44,7 +40,7 @@ impl FromStr for Tuning {
         let mut tuning = Tuning::default();
         for part in text.split(',') {
             let (name, factor) = part.split_once('=').unwrap_or((part, ""));
-            let factor = factor.parse().ok().filter(|factor: &f64| (LEAST..=GREATEST).contains(factor));
+            let factor = factor.parse().ok().filter(|factor: &f64| (FACTORS[0]..=FACTORS[1]).contains(factor));
             let place = match name {
                 "motion" => &mut tuning.motion,
                 "cues" => &mut tuning.cues,
@@ -60,5 +56,6 @@ impl FromStr for Tuning {
 }
 
 fn unexpected(part: &str) -> String {
-    format!("`{part}`: expected motion=FACTOR or cues=FACTOR, with a number from {LEAST} to {GREATEST}")
+    let [least, greatest] = FACTORS;
+    format!("`{part}`: expected motion=FACTOR or cues=FACTOR, with a number from {least} to {greatest}")
 }

@@ -1,6 +1,6 @@
-//! Diagram of the pose error over time. The error of the estimate's midpoint is a line, the width of the estimate's hull a band around zero: the line
-//! leaves the band when the truth leaves the hull. For distributions the line is the error of the mean, and the band three standard deviations wide to
-//! either side. Stripes show when the scene's events happened.
+//! Diagram of the pose error over time. The error of the estimate's midpoint is a line, the width of the estimate's hull a band around zero: the
+//! line leaves the band when the truth leaves the hull. For distributions the line is the error of the mean, and the band three standard deviations
+//! wide to either side. Stripes show when the scene's events happened.
 
 use std::fmt::Write;
 

@@ -252,8 +252,8 @@ pub(super) fn covered(rooms: &[Enclosure], index: usize, side: &Side) -> Vec<[f6
     others(rooms, index).flat_map(|(other, room)| room.covers(side, other < index)).collect()
 }
 
-/// Numbers of the layers in which the rooms' floors and ceilings are drawn, so that rooms that overlap have different ones. The higher a layer, the more
-/// do floor and ceiling stand off from the walls, by which they lie exactly in layer 0.
+/// Numbers of the layers in which the rooms' floors and ceilings are drawn, so that rooms that overlap have different ones. The higher a layer, the
+/// more do floor and ceiling stand off from the walls, by which they lie exactly in layer 0.
 pub(super) fn layers(rooms: &[Enclosure]) -> Vec<usize> {
     let floors: Vec<Vec<Vec<Vector2<f64>>>> = rooms.iter().map(Enclosure::floors).collect();
     let mut layers = Vec::with_capacity(rooms.len());

@@ -262,8 +262,8 @@ impl Cells<'_> {
         let (mut seen, mut total) = (0.0, 0.0);
         for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
             let at = at(within(i), within(j));
-            // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside. So is a
-            // point beyond the face's outline.
+            // A point inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside. So
+            // is a point beyond the face's outline.
             if between.contain(at) || !panel.has([s + step[0] * within(i), t + step[1] * within(j)]) {
                 continue;
             }

@@ -33,8 +33,8 @@ pub(super) fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
         .flat_map(move |j| (0..patch.count[0]).map(move |i| [share(i, patch.count[0]), share(j, patch.count[1])]))
 }
 
-/// Moves a point of a flat face away from the face's edge by a hair, into its outline if it has one. The edge lies in the planes of the neighbouring faces, where it is undefined
-/// whether they hide it.
+/// Moves a point of a flat face away from the face's edge by a hair, into its outline if it has one. The edge lies in the planes of the neighbouring
+/// faces, where it is undefined whether they hide it.
 pub(super) fn inside(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
     let hair = hair(panel);
     let within = nearest(panel, shares);

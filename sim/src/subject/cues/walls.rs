@@ -165,7 +165,8 @@ impl Walls {
         (sigma_rad <= WORST_RAD).then_some(Edge { direction_rad, sigma_rad, by_lean, lean_sigma_rad })
     }
 
-    /// Direction of a pixel's ray in the robot frame at the image's stamp. The camera's u axis is level and points right, its optical axis is tilted up.
+    /// Direction of a pixel's ray in the robot frame at the image's stamp. The camera's u axis is level and points right, its optical axis is tilted
+    /// up.
     fn in_robot(&self, pixel: [f64; 2], twist: &Twist) -> Vector3<f64> {
         let [.., turn_rad] = since_stamp(twist, (self.camera.row_time_s, self.camera.height_px), pixel[1]);
         let in_camera = ray(pixel, &self.camera);

@@ -63,8 +63,8 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, [width_m, depth_m]: [f64;
     }
 }
 
-/// Draws a polygon that holds a rectangle and has the whole of its left side: with a slanted wall at the right, or the bend of two, and with an arm at
-/// the upper end in half of all cases. The corners go round either way.
+/// Draws a polygon that holds a rectangle and has the whole of its left side: with a slanted wall at the right, or the bend of two, and with an arm
+/// at the upper end in half of all cases. The corners go round either way.
 fn polygon(dice: &mut Dice, [x_m, y_m]: [f64; 2], [width_m, depth_m]: [f64; 2]) -> Vec<[f64; 2]> {
     let [right_m, top_m] = [x_m + width_m, y_m + depth_m];
     let mut out_m = || right_m + dice.uniform(0.0, 1.0);
