@@ -219,6 +219,34 @@ mod tests {
     }
 
     #[test]
+    fn floor_and_ceiling_of_every_one_of_six_rooms_reflect() {
+        let mut text =
+            "[room]\nwidth_m = 2.0\ndepth_m = 2.0\n[start]\nx_m = 0.5\ny_m = 0.5\n[[route.waypoint]]\nx_m = 0.6\n\
+                        y_m = 0.5\n"
+                .to_owned();
+        for room in 1..6 {
+            text += &format!(
+                "[[building.room]]\nx_m = {:?}\ny_m = 0.0\nwidth_m = 2.0\ndepth_m = 2.0\n",
+                2.1 * f64::from(room)
+            );
+        }
+        let scene = Scene::parse(&text, "rooms.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+        let building = Building::new(&scene, &DrawnPlace::draw(&scene, 0));
+        let occluders = Occluders::new(&building);
+        let reflecting = Reflecting::new(&building, &occluders);
+        for room in 0..6 {
+            for part in [Part::Floor, Part::Ceiling] {
+                let is_of_it = |one: &&Reflector| {
+                    let panel = &building.panels[one.panel];
+                    panel.room == room && panel.part == part
+                };
+                let open_m2: f64 = reflecting.all.iter().filter(is_of_it).map(|one| one.open_m2).sum();
+                assert!((open_m2 - 4.0).abs() < 1e-9, "{part:?} of room {room}: {open_m2} m²");
+            }
+        }
+    }
+
+    #[test]
     fn view_factors_are_the_published_ones_within_one_percent() {
         // Howell's catalog, C-11, gives 0.1998 for the view factor between opposite faces of a unit cube.
         assert!((of_opposite_rectangles(1.0, 1.0) - 0.19982).abs() < 1e-4);

@@ -143,7 +143,9 @@ impl Cover<'_> {
         let before = at + normal * BEFORE_M;
         let room = &self.building.rooms[panel.room];
         let looks_out = panel.part == Part::Thing && !room.contains(before) && room.contains(at - normal * BEFORE_M);
-        if looks_out || before.z > room.corner.z + room.height_m || self.occluders.contain(before) {
+        // The ceilings of rooms that may overlap are drawn in layers, a little above each other.
+        let is_above = panel.part != Part::Ceiling && before.z > room.corner.z + room.height_m;
+        if looks_out || is_above || self.occluders.contain(before) {
             return false;
         }
         let covers = |(other, one): (usize, &Panel)| {
