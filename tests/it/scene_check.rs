@@ -91,7 +91,7 @@ fn pictures_that_are_white_are_doubtful() {
 #[test]
 fn a_scene_without_cameras_is_checked_without_pictures() {
     let place = folder("check_blind");
-    fs::write(place.join("scene.toml"), blind_scene(1.0, "[localizer]\nmethods = [\"floor_tiles\"]\n")).unwrap();
+    fs::write(place.join("scene.toml"), blind_scene(1.0, "")).unwrap();
     let (code, text, _) = outcome(&mut wherein(&place, &["check", "scene.toml"]));
     assert_eq!(code, 1);
     assert!(text.contains("has no camera") && text.contains("`floor_tiles` has nothing to read"), "{text}");

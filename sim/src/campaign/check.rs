@@ -207,7 +207,10 @@ impl Look {
         for mut method in methods(scene).into_iter().filter(|method| method.reads(&reading)) {
             let Some(seen) = found.methods.iter_mut().find(|seen| seen.method == method.name()) else { continue };
             seen.pictures += 1;
-            let Some(constraint) = method.constrain(&reading, &Context::at_rest(&prior)) else { continue };
+            // A constraint without claims that counts as no evidence rules out no pose: a method returns it to learn from a picture.
+            let says_something = |constraint: &Constraint| constraint.decides || !constraint.claims.is_empty();
+            let constraint = method.constrain(&reading, &Context::at_rest(&prior)).filter(says_something);
+            let Some(constraint) = constraint else { continue };
             seen.constraints += 1;
             seen.claims += constraint.claims.len();
             let n_false = constraint.claims.iter().filter(|claim| !is_true(claim, scene, drawn, truth)).count();

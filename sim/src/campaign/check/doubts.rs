@@ -1,6 +1,6 @@
 //! What the pictures of a scene's way show that is perhaps not as its author meant it, in sentences.
 
-use crate::scene::Scene;
+use crate::scene::{MethodName, Scene};
 
 use super::{CameraCheck, MethodCheck, SceneCheck, significant};
 
@@ -16,6 +16,7 @@ const MOST_WHITE: f64 = 0.05;
 /// All doubts about the scene: those that need no pictures, and those by the pictures of each camera.
 pub(super) fn of(scene: &Scene, found: &SceneCheck) -> Vec<String> {
     let mut doubts = scene.remarks();
+    doubts.extend(anywhere(scene));
     for camera in &found.cameras {
         doubts.extend(overexposed(camera));
         doubts.extend(markers(camera));
@@ -24,6 +25,16 @@ pub(super) fn of(scene: &Scene, found: &SceneCheck) -> Vec<String> {
     }
     doubts.extend(places(found));
     doubts
+}
+
+/// Ceiling markers, which tell a robot that is put down anywhere where it is, are in the robot's own room alone.
+fn anywhere(scene: &Scene) -> Option<String> {
+    let reads_markers = scene.localizer.methods.contains(&MethodName::CeilingMarkers);
+    (scene.start.anywhere && reads_markers && !scene.building.rooms.is_empty()).then(|| {
+        "`start.anywhere`: the robot may be put down in a further room, where no markers are and where it stays until the end; expected one room, which \
+         partitions may divide"
+            .to_owned()
+    })
 }
 
 fn overexposed(camera: &CameraCheck) -> Option<String> {
