@@ -52,3 +52,25 @@ fn a_report_tells_every_event_and_every_broken_bound_with_its_unit() {
         assert!(stderr.contains(&format!("  {name} broken at ")), "the terminal names {name}, too:\n{stderr}");
     }
 }
+
+#[test]
+fn of_two_pushes_each_breaks_the_bounds_at_its_own_time() {
+    let folder = folder("two_pushes");
+    let push =
+        |at_s: f64| format!("[[event]]\nkind = \"push\"\nat_s = {at_s}\ndisplacement_m = [0.0, 0.05]\nlasts_s = 0.2\n");
+    fs::write(folder.join("scene.toml"), blind_scene(4.0, &(push(0.5) + &push(2.5)))).unwrap();
+    outcome(&mut wherein(&folder, &["run", "scene.toml", "--out", "out"]));
+    let summary = summary(&folder.join("out/scene/0"));
+    let violations = summary["violations"].as_array().unwrap();
+    let spans = |bound: &str| -> Vec<[f64; 2]> {
+        let of_it = violations.iter().filter(|one| one["bound"] == bound);
+        of_it.map(|one| ["from_s", "to_s"].map(|end| one[end].as_f64().unwrap())).collect()
+    };
+    for bound in ["reach.acceleration", "wheels.side_slip"] {
+        let spans = spans(bound);
+        assert!(spans.len() >= 2, "{bound}: {spans:?}");
+        // The robot has come to rest on its wheels a second after each push, and nothing is broken until the next one.
+        assert!(spans.iter().all(|[from_s, to_s]| *to_s < 1.7 || *from_s > 2.4), "{bound}: {spans:?}");
+        assert!(spans.windows(2).all(|pair| pair[0][1] < pair[1][0]), "{bound}: {spans:?}");
+    }
+}

@@ -111,8 +111,8 @@ fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monit
     let mut speed = Monitor::new(bounds::REACH_SPEED);
     let mut turn_rate = Monitor::new(bounds::REACH_TURN_RATE);
     let mut acceleration = Monitor::new(bounds::REACH_ACCELERATION);
-    for pair in truths.windows(2) {
-        let (before, truth) = (&pair[0], &pair[1]);
+    for end in 1..truths.len() {
+        let (before, truth) = (&truths[end - 1], &truths[end]);
         let (span_s, step_s) = ([before.time_s, truth.time_s], truth.time_s - before.time_s);
         let moved_m = (truth.pose.x_m - before.pose.x_m).hypot(truth.pose.y_m - before.pose.y_m);
         speed.watch(span_s, bounds.reach_speed_m_per_s, moved_m / step_s);
@@ -123,9 +123,8 @@ fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monit
             let change = (along(truth) - along(before)).abs() / step_s;
             acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, change);
         }
-    }
-    for triple in truths.windows(3) {
-        let (before, truth, after) = (&triple[0], &triple[1], &triple[2]);
+        let Some(first) = end.checked_sub(2).map(|first| &truths[first]) else { continue };
+        let (before, truth, after) = (first, before, truth);
         let (span_s, step_s) = ([before.time_s, after.time_s], 0.5 * (after.time_s - before.time_s));
         for (wheel, radius_m) in wheel_radius_m.into_iter().enumerate() {
             let turned_rad = after.wheel_angle_rad[wheel] - truth.wheel_angle_rad[wheel];
