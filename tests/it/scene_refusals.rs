@@ -709,4 +709,11 @@ fn a_listed_method_without_its_device_is_refused() {
         scene,
         &["`localizer.methods", "`floor_tiles` among them", "`robot.floor_camera`"],
     );
+    // Alone it is refused, too, though it is what a scene has that states no methods.
+    assert_refused(
+        "unfitted_method_alone",
+        blind_scene(1.0, "[localizer]\nmethods = [\"floor_tiles\"]\n"),
+        &["`floor_tiles` among them", "`robot.floor_camera`"],
+    );
+    assert!(Scene::parse(&blind_scene(1.0, ""), "scene.toml").is_ok());
 }

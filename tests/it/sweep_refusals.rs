@@ -123,11 +123,41 @@ fn a_sweep_file_is_refused_by_key() {
         "`vari`: unknown key, expected one of scene, seeds, subject, baselines, vary",
     );
     refuse("scene = \"scene.toml\"\nseeds = \"2..1\"\n", "`seeds = \"2..1\"`");
+    refuse("scene = \"scene.toml\"\n[vary]\nfloor.friction = [0.1,\n", "not a sweep in TOML: line");
+    refuse("[vary]\nfloor.friction = [0.5, 0.6]\n", "`scene`: missing, expected the path of a scene");
     refuse("scene = \"scene.toml\"\n[vary]\nfloor.friction = []\n", "`vary.floor.friction`: an empty list");
     refuse(
         "scene = \"scene.toml\"\n[vary]\nfloor.friction = \"0.1..1\"\n",
         "`vary.floor.friction`: expected LOW..HIGH/N",
     );
+}
+
+#[test]
+fn a_sweep_file_names_entries_of_lists_with_or_without_quotes() {
+    let folder = with_scene("sweep_file_lists");
+    let cases = |key: &str| {
+        let text = format!("scene = \"scene.toml\"\n[vary]\n{key} = [1.0, 1.2]\nfloor.friction = [0.5]\n");
+        fs::write(folder.join("grid.toml"), text).unwrap();
+        let (code, stdout, stderr) = outcome(&mut wherein(&folder, &["sweep", "grid.toml", "--out", "out"]));
+        assert_eq!(code, 0, "{stdout}\n{stderr}");
+        let names = fs::read_dir(folder.join("out/cases")).unwrap().map(|entry| entry.unwrap().file_name());
+        let mut names: Vec<_> = names.collect();
+        names.sort();
+        fs::remove_dir_all(folder.join("out")).unwrap();
+        names
+    };
+    let quoted = cases("\"route.waypoint[0].y_m\"");
+    assert_eq!(quoted, cases("route.waypoint[0].y_m"));
+    assert_eq!(quoted.len(), 2, "{quoted:?}");
+}
+
+#[test]
+fn a_sweep_whose_methods_have_nothing_to_read_is_told_so() {
+    let folder = with_scene("sweep_blind");
+    let (code, _, stderr) =
+        outcome(&mut wherein(&folder, &["sweep", "scene.toml", "--vary", "floor.friction=0.5,0.6", "--out", "out"]));
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("`floor_tiles` has nothing to read"), "{stderr}");
 }
 
 #[test]

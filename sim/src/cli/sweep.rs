@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::{
     artefacts::{machine::cores, run_files},
     campaign::sweep::{Begun, Case, Finished, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
+    loading::SceneTemplate,
     run::RunOptions,
     subject::SubjectChoice,
 };
@@ -23,6 +24,11 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     let sweep = asked(arguments)?;
     arguments.outputs.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     let mut begun = Begun::of(&sweep, arguments.out.as_deref(), adapter)?;
+    if matches!(sweep.subject, SubjectChoice::Intervals) {
+        let path = sweep.scene.display();
+        let remarks = SceneTemplate::load(&sweep.scene)?.file().scene.remarks();
+        remarks.iter().for_each(|remark| eprintln!("wherein: {path}: {remark}"));
+    }
     let renderer = begun.renderer.take();
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let (todo, n_meant) = begun.todo(shard, arguments.frames);

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use super::contradiction::Contradiction;
 use crate::{
     place::building::GroundPlan,
-    scene::{Event, LocalizerSetup, Scene, conform::nearest},
+    scene::{Event, Scene, conform::nearest},
 };
 
 /// Steepest ramp at the edge of a carpet. Rubber of friction 0.8 holds on this slope, and wheels keep their load.
@@ -172,8 +172,7 @@ fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
 /// wrong landmarks and its ranges leave it something to measure.
 fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
     // The list that scenes have by default holds `floor_tiles` alone, which then reads tiles only where there are any.
-    let is_default = scene.localizer.methods == LocalizerSetup::default().methods;
-    let stated = scene.localizer.methods.iter().filter(|_| !is_default);
+    let stated = scene.localizer.methods.iter().filter(|_| scene.localizer.states_methods);
     for (method, device) in stated.filter_map(|method| Some((method, scene.robot.lacks(*method)?))) {
         let name = serde_json::to_value(method).unwrap_or_default();
         let expected =

@@ -29,6 +29,7 @@ pub enum BoundsFrom {
 impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut stated = Map::deserialize(deserializer)?;
+        let states_methods = stated.get("localizer").and_then(|localizer| localizer.get("methods")).is_some();
         let from = stated.get("bounds_from").cloned().unwrap_or_default();
         let keys = match Option::<BoundsFrom>::deserialize(from).map_err(D::Error::custom)?.unwrap_or_default() {
             BoundsFrom::Laboratory => Value::Object(stated),
@@ -48,7 +49,9 @@ impl<'de> Deserialize<'de> for Scene {
         };
         // `Scene::deserialize` is here the function that serde derives for the type itself, not the trait's function of the same name, in which this
         // line stands.
-        Scene::deserialize(keys).map_err(D::Error::custom)
+        let mut scene = Scene::deserialize(keys).map_err(D::Error::custom)?;
+        scene.localizer.states_methods = states_methods;
+        Ok(scene)
     }
 }
 

@@ -228,6 +228,9 @@ impl Default for Light {
 pub struct LocalizerSetup {
     /// Methods by which the localizer reads sensors other than the wheel encoders.
     pub methods: Vec<MethodName>,
+    /// Whether the scene states the methods. Those that it does not state may be without anything to read.
+    #[serde(skip)]
+    pub(crate) states_methods: bool,
     /// Image processing by which the method `floor_tiles` finds joints between tiles.
     pub floor_tiles_chain: FloorTilesChain,
     /// Components of the pose for which the method `range_landmarks` solves. The other components stay as they were estimated before.
@@ -265,6 +268,7 @@ impl Default for LocalizerSetup {
     fn default() -> Self {
         LocalizerSetup {
             methods: vec![MethodName::FloorTiles],
+            states_methods: false,
             floor_tiles_chain: FloorTilesChain::Direct,
             range_landmarks_freedom: RangeLandmarksFreedom::Full,
             range_landmarks_solver: RangeLandmarksSolver::OneShot,

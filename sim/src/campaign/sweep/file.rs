@@ -28,11 +28,19 @@ impl Sweep {
             Err(SceneError::NotText { .. }) => return Ok(None),
             Err(error) => return Err(error.into()),
         };
-        let Ok(table) = text.parse::<Table>() else { return Ok(None) };
-        if !table.contains_key("scene") {
-            return Ok(None);
-        }
         let wrong = |expected: String| SweepError::BadFile { path: path.to_owned(), expected };
+        let text = with_keys_quoted(&text);
+        let table = match text.parse::<Table>() {
+            Ok(table) => table,
+            Err(error) if begins_a_sweep(&text) => {
+                return Err(wrong(format!("not a sweep in TOML: {}", place(&error, &text))));
+            }
+            Err(_) => return Ok(None),
+        };
+        if !table.contains_key("scene") {
+            let expected = "`scene`: missing, expected the path of a scene in quotes beside the table `[vary]`";
+            return if table.contains_key("vary") { Err(wrong(expected.to_owned())) } else { Ok(None) };
+        }
         if let Some(unknown) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
             return Err(wrong(format!("`{unknown}`: unknown key, expected one of {}", KEYS.join(", "))));
         }
@@ -61,6 +69,32 @@ impl Sweep {
         let scene = path.parent().unwrap_or(Path::new("")).join(scene);
         Ok(Some(Sweep { scene, vary, seeds, subject, baselines }))
     }
+}
+
+/// The text with quotes around keys that name an entry of a list, such as `route.waypoint[0].x_m`, which TOML knows in quotes only.
+fn with_keys_quoted(text: &str) -> String {
+    let quoted = |line: &str| -> Option<String> {
+        let (key, value) = line.split_once('=')?;
+        let key = key.trim();
+        let is_of_key = |letter: char| letter.is_ascii_alphanumeric() || "_-.[]".contains(letter);
+        let names_an_entry = !key.starts_with('[') && key.contains('[') && key.chars().all(is_of_key);
+        names_an_entry.then(|| format!("\"{key}\" ={value}"))
+    };
+    text.split_inclusive('\n').map(|line| quoted(line).unwrap_or_else(|| line.to_owned())).collect()
+}
+
+/// Whether a text that is not TOML is meant as a sweep: a line begins with the key `scene` or with the table `[vary]`.
+fn begins_a_sweep(text: &str) -> bool {
+    text.lines().any(|line| {
+        let line = line.trim();
+        line.starts_with("[vary]") || line.strip_prefix("scene").is_some_and(|rest| rest.trim_start().starts_with('='))
+    })
+}
+
+/// What is wrong with a text that is not TOML, and in which line.
+fn place(error: &toml::de::Error, text: &str) -> String {
+    let line = error.span().map(|span| 1 + text.bytes().take(span.start).filter(|byte| *byte == b'\n').count());
+    line.map_or_else(|| error.message().to_owned(), |line| format!("line {line}: {}", error.message()))
 }
 
 /// Returns the variables of the table `[vary]`, in the order of the file.
