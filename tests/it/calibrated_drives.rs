@@ -134,4 +134,12 @@ fn a_log_that_calibrates_nothing_is_refused_and_nothing_is_written() {
         assert!(code == 2 && errors.contains(part), "{robot} {more:?}: {code} {errors}");
         assert!(!place.join("out.toml").exists());
     }
+    let before = fs::read(place.join("robot.toml")).unwrap();
+    let command = ["calibrate", "drive", &log, "--robot", "robot.toml", "--out", "./robot.toml"];
+    let (code, _, errors) = outcome(&mut wherein(&place, &command));
+    assert!(
+        code == 2 && errors.contains("write `--out ./robot.toml`: it is the scene of the robot itself"),
+        "{errors}"
+    );
+    assert_eq!(fs::read(place.join("robot.toml")).unwrap(), before);
 }

@@ -242,6 +242,13 @@ fn a_run_is_recorded_in_both_forms_at_once() {
     let run = place.join("renders/scene/0");
     let counted = |path: &str| messages(&run.join(path)).into_values().map(|all| all.len()).sum::<usize>();
     assert!(counted("recording.mcap") > 50 && counted("rosbag2/rosbag2_0.mcap") > 50);
+    // A bag is named by its folder, as ROS 2 does.
+    let bag = run.join("rosbag2").display().to_string();
+    let estimate = run.join("boxes.csv").display().to_string();
+    assert_eq!(replayed(&place, &[&bag]).0, 0);
+    assert_eq!(outcome(&mut wherein(&place, &["judge", &bag, "--estimate", &estimate])).0, 0);
+    let (code, _, stderr) = replayed(&place, &["."]);
+    assert!(code == 2 && stderr.contains("a folder with 0 files that end in .mcap"), "{stderr}");
 }
 
 #[test]
@@ -307,7 +314,7 @@ fn what_is_no_whole_recording_of_this_format_is_refused_and_nothing_is_written()
         ("text.mcap".to_owned(), "expected an MCAP file"),
         ("foreign.mcap".to_owned(), "the metadata `wherein_format` is missing"),
         ("nowhere.mcap".to_owned(), "No such file"),
-        ("out".to_owned(), "directory"),
+        ("out".to_owned(), "a folder with 0 files that end in .mcap"),
     ];
     for (name, expected) in cases {
         let (code, output, errors) = replayed(&place, &[&name, "--out", "replayed"]);

@@ -54,10 +54,10 @@ struct DriveArguments {
     #[arg(long, value_name = "SCENE")]
     robot: PathBuf,
     /// Length of the spans that the drive is divided into.
-    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = positive, allow_negative_numbers = true)]
     span_s: f64,
     /// Factor by which bounds are declared greater than the least that the log keeps.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.5, value_parser = positive)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.5, value_parser = positive, allow_negative_numbers = true)]
     margin: f64,
     #[command(flatten)]
     output: Output,
@@ -77,7 +77,7 @@ struct BoardArguments {
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = squares)]
     board: [usize; 2],
     /// Side length of a square.
-    #[arg(long, value_name = "METRES", value_parser = positive)]
+    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     square_m: f64,
     /// Camera of the scene whose keys are found.
     #[arg(long, value_enum, default_value = "ceiling")]
@@ -133,6 +133,7 @@ pub(super) fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Comm
 
 fn by_drive(arguments: &DriveArguments) -> Result<ExitCode, CommandError> {
     let robot = SceneTemplate::load(&arguments.robot)?;
+    arguments.output.refuse_robot(&arguments.robot)?;
     let how = Calibrating { span_s: arguments.span_s, margin: arguments.margin };
     let found = calibrate_drive(&robot, &arguments.log, &how)?;
     arguments.output.tell(&found.text(), &found.to_json(), Some(&robot), &found.settings())?;
@@ -145,6 +146,7 @@ fn by_board(arguments: &BoardArguments) -> Result<ExitCode, CommandError> {
         Named::Forward => Camera::Forward,
     };
     let robot = arguments.robot.as_deref().map(SceneTemplate::load).transpose()?;
+    arguments.robot.as_deref().map_or(Ok(()), |robot| arguments.output.refuse_robot(robot))?;
     let board = Board { columns: arguments.board[0], rows: arguments.board[1], square_m: arguments.square_m };
     let bend = if arguments.tangential { Bend::RadialAndTangential } else { Bend::Radial };
     let found = calibrate_board(&arguments.pictures, &board, bend, camera)?;
@@ -153,6 +155,17 @@ fn by_board(arguments: &BoardArguments) -> Result<ExitCode, CommandError> {
 }
 
 impl Output {
+    /// Refuses to write over the robot's own scene, which would then extend itself.
+    fn refuse_robot(&self, robot: &Path) -> Result<(), CommandError> {
+        let real = |path: &Path| fs::canonicalize(path).ok();
+        match &self.out {
+            Some(out) if real(out).is_some() && real(out) == real(robot) => {
+                Err(CommandError::OutIsInput { path: out.clone() })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Prints what was found, with the keys that declare it, and writes these keys to a scene.
     fn tell(
         &self,

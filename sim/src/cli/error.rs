@@ -35,6 +35,8 @@ pub(super) enum CommandError {
     LearntNothing(PathBuf),
     #[error("repeat {} by a map: `localizer.methods` uses none, expected `mapped_landmarks` among them", .0.display())]
     UsesNoMap(PathBuf),
+    #[error("write `--out {}`: it is the scene of the robot itself, expected another file, which extends it", path.display())]
+    OutIsInput { path: PathBuf },
     #[error("set a key: {0}")]
     Setting(String),
     #[error(transparent)]

@@ -77,11 +77,29 @@ pub(crate) enum Part<'a> {
     Facts(&'a BTreeMap<String, String>),
 }
 
+/// The recording's file: of a folder, as `wherein run --ros2` writes one, the only file in it that ends in `.mcap`.
+fn file_of(path: &Path) -> Result<PathBuf, RecordingError> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let unreadable = |source| RecordingError::Unreadable { path: path.to_owned(), source };
+    let entries = path.read_dir().map_err(unreadable)?.filter_map(Result::ok).map(|entry| entry.path());
+    let files: Vec<PathBuf> = entries.filter(|file| file.extension().is_some_and(|end| end == "mcap")).collect();
+    match files.as_slice() {
+        [file] => Ok(file.clone()),
+        _ => Err(unreadable(io::Error::other(format!(
+            "a folder with {} files that end in .mcap, expected a file, or a folder with one such file",
+            files.len()
+        )))),
+    }
+}
+
 /// Hands every part of the file to `hear`, then makes sure that the file was complete.
 pub(crate) fn read<E: From<RecordingError>>(
     path: &Path,
     hear: &mut dyn FnMut(Part<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
+    let path = &file_of(path)?;
     let unreadable = |source| RecordingError::Unreadable { path: path.to_owned(), source };
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
     let options = LinearReaderOptions::default()
