@@ -242,7 +242,16 @@ fn help_teaches_by_example() {
 fn a_seed_below_zero_is_refused_as_a_value_and_not_as_an_argument() {
     let folder = folder("seed_below_zero");
     fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
-    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--seed", "-1"]));
-    assert_eq!(code, 2, "{stderr}");
-    assert!(stderr.contains("invalid value '-1' for '--seed <N>'"), "{stderr}");
+    let of_one = [&["run", "scene.toml"][..], &["check", "scene.toml"], &["render", "scene.toml"], &["falsify"]];
+    for command in of_one.into_iter().chain([&["sharpness", "scene.toml"][..]]) {
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &[command, &["--seed", "-1"]].concat()));
+        assert_eq!(code, 2, "{stderr}");
+        let expected = "invalid value '-1' for '--seed <N>': expected a whole number of at least 0";
+        assert!(stderr.contains(expected), "{command:?}: {stderr}");
+    }
+    for command in [["run", "scene.toml", "--seeds"], ["sweep", "scene.toml", "--seeds"]] {
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &[&command[..], &["-3..2"]].concat()));
+        assert_eq!(code, 2, "{stderr}");
+        assert!(stderr.contains("invalid value '-3..2' for '--seeds <A..B>'"), "{stderr}");
+    }
 }

@@ -12,7 +12,7 @@ use crate::{
     render::Renderer,
 };
 
-use super::{CommandError, print, reading::while_reading};
+use super::{CommandError, print, reading::while_reading, scenes_and_seeds::one_seed};
 
 /// Arguments of `wherein check`.
 #[derive(Debug, Args)]
@@ -22,7 +22,7 @@ pub(super) struct CheckArguments {
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Seed of everything that is drawn at random.
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = one_seed)]
     seed: u64,
     /// Set a key of the scene, such as light.illuminance_at_floor_lux=10; may be given several times.
     #[arg(long, value_name = "KEY=VALUE")]

@@ -21,17 +21,17 @@ use crate::{
     },
 };
 
-use super::{CommandError, print};
+use super::{CommandError, print, scenes_and_seeds::one_seed};
 
 /// Arguments of `wherein falsify`.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct FalsifyArguments {
     /// Seed of all scenes. This seed and a case's number determine the scene of the case.
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = one_seed)]
     seed: u64,
     /// Numbers of the cases, A included and B not. By default 100 cases, or without end when --minutes is given.
-    #[arg(long, value_name = "A..B")]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     cases: Option<Seeds>,
     /// Begin no more cases after this many minutes.
     #[arg(long, value_name = "N", value_parser = minutes, allow_negative_numbers = true)]

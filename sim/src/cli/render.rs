@@ -10,7 +10,7 @@ use clap::Args;
 
 use localizer::{Pose, reading::Camera};
 
-use super::{CommandError, print, reading::while_reading};
+use super::{CommandError, print, reading::while_reading, scenes_and_seeds::one_seed};
 use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     loading::SceneFile,
@@ -44,7 +44,7 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "lux=A,B,…")]
     contact_sheet: Option<Lights>,
     /// Seed of the camera mounts, the floor tiles and the image noise.
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = one_seed)]
     seed: u64,
     /// Folder for the results. The pictures are written into a subfolder with the scene's name.
     #[arg(long, value_name = "DIR", default_value = "renders")]

@@ -27,7 +27,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "KEY=VALUES")]
     pub(super) vary: Vec<Variable>,
     /// Seeds with which each combination of the keys' values runs, A included and B not.
-    #[arg(long, value_name = "A..B")]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub(super) seeds: Option<Seeds>,
     #[command(flatten)]
     pub(super) tested: Tested,
@@ -94,7 +94,7 @@ pub(super) struct CompareArguments {
     pub(super) confidence: f64,
     /// Greatest worsening that may stay unseen, in percent of the first side's mean. A figure that may be worse by more, though the difference may be
     /// chance, is `inconclusive`: there are too few seeds.
-    #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * TOLERANCE, value_parser = percent)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * TOLERANCE, value_parser = percent, allow_negative_numbers = true)]
     pub(super) tolerance_percent: f64,
     /// End with exit code 1 where a figure is inconclusive.
     #[arg(long)]
@@ -128,7 +128,10 @@ pub(super) fn number_of_jobs(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 fn confidence(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|p| (0.5..1.0).contains(p)).ok_or_else(|| "expected a number from 0.5 to 1".to_owned())
+    text.parse()
+        .ok()
+        .filter(|p| (0.5..1.0).contains(p))
+        .ok_or_else(|| "expected a number of at least 0.5 and below 1".to_owned())
 }
 
 fn percent(text: &str) -> Result<f64, String> {

@@ -22,15 +22,18 @@ pub(super) struct ScenesAndSeeds {
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds", allow_negative_numbers = true, value_parser = one_seed)]
     seed: u64,
     /// Range of seeds, A included and B not; each scene runs with each of these seeds.
-    #[arg(long, value_name = "A..B")]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     seeds: Option<Seeds>,
     /// Set a key of the scenes, such as robot.errors=corner; may be given several times.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<Setting>,
 }
 
-fn one_seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| "expected a whole number of at least 0; --seeds A..B names several".to_owned())
+/// A seed as an argument states it.
+pub(super) fn one_seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| {
+        "expected a whole number of at least 0; a range A..B of several is an argument of its own".to_owned()
+    })
 }
 
 impl ScenesAndSeeds {

@@ -18,7 +18,7 @@ use crate::{
     subject::IntervalLocalizer,
 };
 
-use super::{CommandError, print};
+use super::{CommandError, print, scenes_and_seeds::one_seed};
 
 /// Arguments of `wherein sharpness`.
 #[derive(Debug, Args)]
@@ -28,7 +28,7 @@ pub(super) struct SharpnessArguments {
     #[arg(value_name = "RUN")]
     run: PathBuf,
     /// Seed of everything that is drawn at random in the run; for a scene file only, as a folder has its own.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = one_seed)]
     seed: Option<u64>,
     /// Set a key of the scene, such as robot.errors=corner; may be given several times, for a scene file only.
     #[arg(long, value_name = "KEY=VALUE")]

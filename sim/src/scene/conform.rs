@@ -166,8 +166,8 @@ impl Walk<'_> {
         let bound = |name: &str| node.get(name).and_then(Value::as_u64).map(|bound| bound as usize);
         let (least, most) = (bound("minItems").unwrap_or(0), bound("maxItems").unwrap_or(usize::MAX));
         if length < least || length > most {
-            let wanted = if least == most { format!("{least}") } else { format!("at least {least}") };
-            self.report(span, key, format!("a list of {length}, expected one of {wanted}"), node);
+            let wanted = if least == most { values(least) } else { format!("at least {}", values(least)) };
+            self.report(span, key, format!("a list of {}, expected {wanted}", values(length)), node);
         }
     }
 
@@ -247,6 +247,11 @@ pub(crate) fn found(value: &DeValue<'_>) -> &'static str {
     }
 }
 
+/// A number of values, in words.
+fn values(count: usize) -> String {
+    format!("{count} value{}", if count == 1 { "" } else { "s" })
+}
+
 /// What the schema `node` allows, in words.
 fn expectation(node: &'static Value) -> String {
     let bound = |name: &str| node.get(name).and_then(Value::as_f64);
@@ -254,7 +259,9 @@ fn expectation(node: &'static Value) -> String {
     match type_name(node) {
         "object" => "a table".to_owned(),
         "array" => match (node["minItems"].as_u64(), node["maxItems"].as_u64()) {
-            (Some(least), Some(most)) if least == most => format!("a list of {least}"),
+            (Some(least), Some(most)) if least == most => {
+                format!("a list of {}", values(usize::try_from(least).unwrap_or(usize::MAX)))
+            }
             _ => "a list".to_owned(),
         },
         "string" if choices(node).is_empty() => "a text in quotes".to_owned(),
