@@ -11,14 +11,14 @@ pub enum FramesPolicy {
     /// Debug frames for each image after which the true pose is outside the estimate, or which left the estimate empty. If a run has no such
     /// image and yet misses an expectation, the debug frame of the image that left the widest box.
     Failures,
-    /// Debug frames for every n-th image, the first included.
+    /// Debug frames for every n-th reading of the methods, pictures or other readings each counted by themselves, the first included.
     Every(usize),
     /// Debug frames for all images.
     All,
 }
 
 impl FramesPolicy {
-    /// Whether to keep the image with this number. `failed` is true when the true pose is outside the estimate after the image, or the image left
+    /// Whether to keep the image that comes after so many of its kind. `failed` is true when the true pose is outside the estimate after the image, or the image left
     /// the estimate empty.
     pub fn keeps(self, number: usize, failed: bool) -> bool {
         match self {

@@ -29,6 +29,8 @@ pub(super) struct Recorder<'a> {
     robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
+    /// Numbers of readings of the methods so far: of readings that are no pictures, and of pictures.
+    n_read: [usize; 2],
     asks_baselines: bool,
     /// Time of the run at which the present drive began.
     pub(super) offset_s: f64,
@@ -61,6 +63,7 @@ impl<'a> Recorder<'a> {
             robot: scene.robot_model(),
             readings: Sha256::new(),
             keep_images: options.keep_images,
+            n_read: [0; 2],
             asks_baselines: options.baselines,
             offset_s: 0.0,
             witness,
@@ -148,9 +151,12 @@ impl<'a> Recorder<'a> {
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         self.compared(|recorder| recorder.compare(&reading, &accounts, &truth));
+        let n_before = &mut self.n_read[usize::from(matches!(reading, Reading::Camera { .. }))];
+        let of_its_kind = *n_before;
+        *n_before += 1;
         for account in accounts {
             let failed = account.emptied || !account.posterior.contains(truth.pose);
-            let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
+            let kept = self.keep_images.keeps(of_its_kind, failed).then(|| reading.clone());
             if self.keep_images == FramesPolicy::Failures {
                 self.history.keep_widest(&reading, &account.posterior);
             }
