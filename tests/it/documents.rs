@@ -130,6 +130,14 @@ fn links_and_headings_are_found_outside_of_code_only() {
 }
 
 #[test]
+fn every_figure_of_a_run_is_explained() {
+    let pages = ["docs/src/sweeps.md", "docs/src/papers.md"].map(|page| fs::read_to_string(root().join(page)).unwrap());
+    for name in sim::judge::metric_names() {
+        assert!(pages.iter().any(|page| page.contains(&format!("`{name}`"))), "`{name}` is in neither page");
+    }
+}
+
+#[test]
 fn the_readme_has_at_most_1500_words() {
     let text = fs::read_to_string(root().join("README.md")).unwrap();
     let n_words = text.split_whitespace().count();

@@ -26,7 +26,7 @@ const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception
 const ANY_NAME: &str = "*";
 
 /// Names of the figures of a summary's table `metrics` that are about the localizer under test and its run.
-const OF_THE_RUN: [&str; 40] = [
+const OF_THE_RUN: [&str; 41] = [
     "arrival_error_greatest_m",
     "arrival_error_mean_m",
     "arrival_estimate_greatest_m",
@@ -57,6 +57,7 @@ const OF_THE_RUN: [&str; 40] = [
     "path_deviation_p95_m",
     "recovering_share",
     "replans",
+    "searched_s",
     "waited_s",
     "wall_fix_contained_share",
     "wall_fix_error_max_deg",

@@ -171,12 +171,28 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
             ("recovering_share".to_string(), share(recovering, record.estimates.len())),
             ("longest_outside_s".to_string(), longest_outside_s(record)),
         ]);
+        if scene.start.anywhere {
+            metrics.insert("searched_s".to_string(), searched_s(record));
+        }
     }
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
     metrics.extend(headings::metrics(record, judged));
     metrics
+}
+
+/// Width of the box in x and in y from which on a robot that was put down anywhere counts as found.
+const FOUND_M: f64 = 0.2;
+
+/// Time until the robot's place was first known; the whole run if it never was.
+fn searched_s(record: &RunRecord) -> f64 {
+    let is_found = |estimate: &&Estimate| {
+        let hull = estimate.pose.hull();
+        !hull.is_empty() && hull.width(0).max(hull.width(1)) <= FOUND_M
+    };
+    let found = record.estimates.iter().find(is_found).or(record.estimates.last());
+    found.map_or(0.0, |estimate| estimate.time_s)
 }
 
 /// Longest time for which the truth was continuously outside the union of boxes.

@@ -33,7 +33,7 @@ const fn number(name: &'static str, heading: &'static str, unit: &'static str, c
 /// error squared of a localizer that states distributions, "in 3σ" the share of steps with the truth within three standard deviations along x, y and heading,
 /// "3σ" the full width of that region. A method's "of position" and "of
 /// heading" are its shares of all the times that methods halved the box's widths.
-pub(super) const COLUMNS: [Column; 33] = [
+pub(super) const COLUMNS: [Column; 34] = [
     text("scene", "scene", |line| line.scene.clone()),
     text("localizer", "localizer", |line| line.subject.clone()),
     text("run", RUN, |line| line.run.clone()),
@@ -66,6 +66,7 @@ pub(super) const COLUMNS: [Column; 33] = [
     number("fixes", "fixes", "", |line| show(line, "method.constraints", 1.0, 0)),
     number("of_position", "of position", "%", |line| show(line, "method.position_share", 1e2, 1)),
     number("of_heading", "of heading", "%", |line| show(line, "method.heading_share", 1e2, 1)),
+    number("searched", "searched", "s", |line| show(line, "metrics.searched_s", 1.0, 1)),
     number("goals", "goals reached", "%", |line| share(goals_reached(&line.figures).as_ref())),
     number("arrival", "arrival", "mm", |line| show(line, "metrics.arrival_error_mean_m", 1e3, 1)),
     number("off_path", "off path p95", "mm", |line| show(line, "metrics.path_deviation_p95_m", 1e3, 1)),
@@ -77,7 +78,7 @@ pub(super) const COLUMNS: [Column; 33] = [
 
 /// Names of columns in the order in which they are chosen where a table has room for some only: what runs came to, and then how. Those of methods and
 /// of baselines follow.
-pub(super) const FIRST: [&str; 24] = [
+pub(super) const FIRST: [&str; 25] = [
     "scene",
     "run",
     "verdict",
@@ -93,6 +94,7 @@ pub(super) const FIRST: [&str; 24] = [
     "width_3_sigma",
     "width_3_sigma_heading",
     "collisions",
+    "searched",
     "rmse",
     "goals",
     "rmse_heading",
