@@ -213,3 +213,25 @@ fn maps_and_scenes_that_do_not_fit_are_refused_with_exit_code_2() {
     refused(&["teach", "teach.toml", "--map", "renders"], &["renders"]);
     refused(&[&teach[..], &["--set", keys]].concat(), &["robot.point_camera.least_depth_m", "greatest_depth_m"]);
 }
+
+#[test]
+fn what_has_moved_since_a_map_was_taught_does_not_lead_astray() {
+    let place = folder("room_changed");
+    write_scene(&place, "room_teach", rounds(12.0, 60.0));
+    write_scene(&place, "room_changed", rounds(5.0, 60.0));
+    let (code, told, errors) =
+        outcome(&mut wherein(&place, &["teach", "room_teach.toml", "--map", "map.json", "--seed", "3"]));
+    assert_eq!(code, 0, "{told}{errors}");
+    for seed in ["13", "14"].into_iter().take(rounds(1, 2)) {
+        let arguments = ["repeat", "room_changed.toml", "--map", "map.json", "--seed", seed];
+        let (code, told, errors) = outcome(&mut wherein(&place, &arguments));
+        assert_eq!(code, 0, "seed {seed}: {told}{errors}");
+        let summary = summary(&place, &format!("renders/room_changed/{seed}"));
+        let contained = &summary["containment"];
+        assert_eq!(contained["contained"], contained["checks"], "seed {seed}: {contained}");
+        // Most of what the robot still finds is where the map has it.
+        let method = &summary["methods"]["mapped_landmarks"];
+        let [claims, wrong] = ["claims", "false_claims"].map(|figure| method[figure].as_f64().unwrap());
+        assert!(claims > 100.0 && wrong < 0.05 * claims, "seed {seed}: {method}");
+    }
+}
