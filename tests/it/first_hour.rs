@@ -42,4 +42,7 @@ fn every_command_of_the_first_hour_ends_as_the_page_says() {
     assert_eq!(pushed["containment"]["first_failure"]["blame"], "wheels.side_slip");
     assert!(!pushed["contradictions"].as_array().unwrap().is_empty(), "the localizer notices the push");
     assert_eq!(summary("filtered/x/0")["subject"], "ekf");
+    for seed in 0..2 {
+        assert!(summary(&format!("renders/x/{seed}"))["availability"].as_f64().unwrap() >= 0.95);
+    }
 }

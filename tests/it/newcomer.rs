@@ -26,6 +26,15 @@ fn the_tutorials_hall_reads_its_markers_by_the_default_exposure() {
     assert!(verdict.verdict.passed, "{:?}", verdict.verdict.failed);
 }
 
+#[test]
+fn the_scene_of_the_readme_knows_where_it_is() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let text = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let (_, verdict) = judged(&Scene { duration_s: rounds(8.0, 30.0), ..scene(text) }, 0);
+    assert!(verdict.availability.unwrap() > 0.95, "{:?}", verdict.availability);
+    assert!(verdict.verdict.passed, "{:?}", verdict.verdict.failed);
+}
+
 /// A robot with a track of 0.18 m, wheels of 33 mm and coarse encoders that rests for 5 s before it drives.
 fn hobby(ticks_per_turn: u32, more: &str) -> Scene {
     scene(&format!(

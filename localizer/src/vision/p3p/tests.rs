@@ -114,7 +114,7 @@ fn small_triangles_far_away_are_solved_as_surely_and_as_exactly_as_doubles_allow
 }
 
 #[test]
-fn solving_takes_under_a_microsecond_or_two() {
+fn solving_takes_less_than_two_microseconds() {
     for problem in [scattered, marker] {
         let mut random = Random::new(6);
         let problems: Vec<_> = (0..2000).map(|_| problem(&mut random)).collect();
@@ -129,8 +129,9 @@ fn solving_takes_under_a_microsecond_or_two() {
             .collect();
         micros.sort_by(f64::total_cmp);
         println!("median {:.2} µs, best {:.2} µs", micros[micros.len() / 2], micros[0]);
-        // The best time is tested, because the machine may be busy; the limit is ten times what a quiet machine takes.
-        assert!(micros[0] < 10.0);
+        // The best time is tested, because the machine may be busy; the limit is some three times what a quiet machine takes. With Newton steps that
+        // go on to a residual below the rounding error, which far small triangles never reach, it took 2.7 µs.
+        assert!(micros[0] < 2.0, "{} µs", micros[0]);
     }
 }
 
