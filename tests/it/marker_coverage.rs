@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
     devices::camera::world_from_camera,
-    loading::coverage::{Coverage, coverage},
+    loading::coverage::{Coverage, Hall, coverage},
     optics::Lens,
     scene::Scene,
     truth::Truth,
@@ -31,9 +31,9 @@ fn laid_out(room_m: [f64; 2], camera: &str, markers: &str) -> Scene {
 
 const SHORT: &str = "focal_px = [480.0, 480.0]";
 
-/// Number of markers that are seen whole: every printed dot lies wholly in the image, as the simulator's lens projects it. A dot's rim is 1 cm from
+/// Number of a room's markers that are seen whole: every printed dot lies wholly in the image, as the simulator's lens projects it. A dot's rim is 1 cm from
 /// its centre.
-fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
+fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth, hall: &Hall) -> usize {
     let (camera, mount) =
         (scene.robot.ceiling_camera.as_ref().unwrap(), drawn.devices.ceiling_camera.as_ref().unwrap());
     let (lens, pose) = (Lens::of(camera, mount), world_from_camera(truth, mount));
@@ -49,14 +49,23 @@ fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
             Point3::new(at.x + 0.01 * cos, at.y + 0.01 * sin, at.z)
         })
     };
-    let is_whole =
-        |dots: &[sim::place::drawn::DrawnDot]| dots.iter().all(|dot| rim(dot.centre_in_world).all(is_inside));
+    let is_here = |at: Point3<f64>| {
+        let [along_m, across_m] = hall.in_hall([at.x, at.y]);
+        (0.0..=hall.size_m[0]).contains(&along_m) && (0.0..=hall.size_m[1]).contains(&across_m)
+    };
+    let is_whole = |dots: &[sim::place::drawn::DrawnDot]| {
+        dots.iter().all(|dot| is_here(dot.centre_in_world) && rim(dot.centre_in_world).all(is_inside))
+    };
     drawn.place.markers.iter().filter(|marker| is_whole(&marker.dots)).count()
 }
 
 /// Least number of whole markers seen from random poses of a robot that tips, heaves and stands next to walls, with markers and the
 /// camera's mount at the corners of their tolerances.
 fn fewest_seen(scene: &Scene, n_poses: usize) -> usize {
+    fewest_seen_in(&Hall::all(scene)[0], scene, n_poses)
+}
+
+fn fewest_seen_in(hall: &Hall, scene: &Scene, n_poses: usize) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let model = scene.robot_model().body;
     let mut fewest = usize::MAX;
@@ -72,11 +81,9 @@ fn fewest_seen(scene: &Scene, n_poses: usize) -> usize {
                     _ => rng.random_range(least..=most),
                 }
             };
-            let pose = Pose {
-                x_m: place(scene.room.width_m, &mut rng),
-                y_m: place(scene.room.depth_m, &mut rng),
-                heading_rad: rng.random_range(-4.0..4.0),
-            };
+            let [along_m, across_m] = hall.size_m.map(|extent_m| place(extent_m, &mut rng));
+            let [x_m, y_m] = hall.in_world([along_m, across_m]);
+            let pose = Pose { x_m, y_m, heading_rad: rng.random_range(-4.0..4.0) };
             let course: f64 = rng.random_range(0.0..7.0);
             let truth = Truth {
                 pose,
@@ -84,7 +91,7 @@ fn fewest_seen(scene: &Scene, n_poses: usize) -> usize {
                 tilt_rad: [model.tilt_rad * course.cos(), model.tilt_rad * course.sin()],
                 ..Truth::default()
             };
-            fewest = fewest.min(whole_in_image(scene, &drawn, &truth));
+            fewest = fewest.min(whole_in_image(scene, &drawn, &truth, hall));
         }
     }
     fewest
@@ -104,6 +111,37 @@ fn a_layout_shows_a_whole_marker_from_every_pose_that_was_tried() {
         let fewest = fewest_seen(&scene, rounds(800, 3_000));
         assert!(fewest >= least, "{camera}: {fewest}");
     }
+}
+
+/// A room of 4 m by 3 m and another one that is turned by 20°, with room for a wall between them.
+const TURNED_ROOM: &str = "[[building.room]]\nx_m = 5.3\ny_m = 0.2\nheading_deg = 20.0\nwidth_m = 3.6\ndepth_m = 2.8\n";
+
+#[test]
+fn a_layout_covers_a_further_room_as_well() {
+    let scene = parse([4.0, 3.0], SHORT, &format!("[markers]\n[markers.layout]\n{TURNED_ROOM}")).unwrap();
+    assert_eq!(coverage(&scene), Some(Coverage::Covered));
+    let halls = Hall::all(&scene);
+    assert_eq!(halls.len(), 2);
+    for hall in &halls {
+        assert!(fewest_seen_in(hall, &scene, 800) >= 1, "{hall:?}");
+    }
+    let map = scene.map().markers.unwrap().markers;
+    let ids: std::collections::BTreeSet<u16> = map.iter().map(|marker| marker.id.0).collect();
+    assert_eq!(ids.len(), map.len(), "each marker has an identity of its own");
+    // Without the markers of the second room it is not covered, and the pose that is told lies in it.
+    let own = laid_out([4.0, 3.0], SHORT, "").markers.unwrap().keys().unwrap();
+    let bare = parse([4.0, 3.0], SHORT, &format!("{own}{TURNED_ROOM}")).unwrap();
+    let Some(Coverage::Uncovered { pose, seen }) = coverage(&bare) else { panic!() };
+    let [along_m, across_m] = halls[1].in_hall([pose.x_m, pose.y_m]);
+    assert!(seen == 0 && (0.0..3.6).contains(&along_m) && (0.0..2.8).contains(&across_m), "{pose:?}");
+    // A marker hangs in one room or the other, and not in the wall between them.
+    let single = |x_m: f64| format!("[markers]\n[[markers.marker]]\nid = 125\nx_m = {x_m:?}\ny_m = 1.5\n{TURNED_ROOM}");
+    assert!(parse([4.0, 3.0], SHORT, &single(6.5)).is_ok());
+    let refused = parse([4.0, 3.0], SHORT, &single(4.4)).unwrap_err();
+    assert!(
+        refused.contains("`markers.marker[0].x_m") && refused.contains("wholly in a `[[building.room]]`"),
+        "{refused}"
+    );
 }
 
 #[test]
@@ -155,7 +193,11 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
         let mut exact = Drawn::draw(&holed, 0);
         exact.devices.ceiling_camera =
             Some(sim::devices::camera::DrawnCamera::nominal(holed.robot.ceiling_camera.as_ref().unwrap()));
-        assert_eq!(whole_in_image(&holed, &exact, &Truth { pose, ..Truth::default() }), 0, "{pose:?}");
+        assert_eq!(
+            whole_in_image(&holed, &exact, &Truth { pose, ..Truth::default() }, &Hall::all(&holed)[0]),
+            0,
+            "{pose:?}"
+        );
         assert!((missing.x_m - pose.x_m).hypot(missing.y_m - pose.y_m) < 1.4, "{pose:?}");
     }
 }

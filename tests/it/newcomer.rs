@@ -73,7 +73,7 @@ fn a_hobby_robot_put_down_anywhere_finds_itself_and_drives_its_errands() {
         scene.duration_s = rounds(25.0, scene.duration_s);
         scene
     };
-    for seed in 0..rounds(1, 3) {
+    for seed in 0..rounds(2, 20) {
         let (record, verdict) = judged(&searches(scene(&text)), seed);
         let contained = verdict.containment.as_ref().unwrap();
         assert_eq!(contained.contained, contained.checks, "seed {seed}: {contained:?}");

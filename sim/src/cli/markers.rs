@@ -63,10 +63,10 @@ fn verdict(file: &SceneFile) -> String {
     match coverage(&file.scene) {
         None => "No ceiling camera whose coverage could be told.\n".to_owned(),
         Some(Coverage::Covered) => {
-            let further =
-                if file.scene.building.rooms.is_empty() { "" } else { ". No marker hangs in a `[[building.room]]`" };
+            let rooms = &file.scene.building.rooms;
+            let further = if rooms.is_empty() { "" } else { " and in each `[[building.room]]` that is a rectangle" };
             format!(
-                "Covered: at least {seen_at_once} wholly in the image from every pose in `[room]` while it is empty, within all tolerances{further}.\n"
+                "Covered: at least {seen_at_once} wholly in the image from every pose in `[room]`{further} while it is empty, within all tolerances.\n"
             )
         }
         Some(Coverage::Uncovered { pose, .. }) => format!(

@@ -20,7 +20,7 @@ use std::{
 
 use localizer::Pose;
 
-use crate::scene::{Layout, Markers, Scene};
+use crate::scene::{Layout, Markers, RoomShape, Scene};
 
 pub use field::Field;
 pub use kept::smallest_kept;
@@ -70,21 +70,79 @@ pub enum Coverage {
     },
 }
 
-/// Checks whether the ceiling camera sees enough of the markers on the scene's map from every pose in the robot's room; `None` if there is
-/// no ceiling camera or no marker.
+/// A room that is a rectangle, in which markers can be laid out and their coverage proven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hall {
+    /// Corner of the room at which its sides begin, world frame.
+    pub corner_m: [f64; 2],
+    /// Direction of the first side from world x; the second side is a quarter turn to its left.
+    pub heading_deg: f64,
+    /// Lengths of the two sides.
+    pub size_m: [f64; 2],
+}
+
+impl Hall {
+    /// The robot's room, and then the further rooms of a scene that are rectangles.
+    pub fn all(scene: &Scene) -> Vec<Hall> {
+        let own = Hall { corner_m: [0.0; 2], heading_deg: 0.0, size_m: [scene.room.width_m, scene.room.depth_m] };
+        let further = scene.building.rooms.iter().filter_map(|room| match room.shape() {
+            RoomShape::Rectangle { corner_m, heading_deg, width_m, depth_m } => {
+                Some(Hall { corner_m, heading_deg, size_m: [width_m, depth_m] })
+            }
+            RoomShape::Polygon { .. } => None,
+        });
+        [own].into_iter().chain(further).collect()
+    }
+
+    /// Ranges along both sides in which the robot's origin stays, because its body cannot come closer to the walls.
+    pub fn reach_m(&self, scene: &Scene) -> [[f64; 2]; 2] {
+        let clearance_m = scene.robot_model().body.clearance_m;
+        self.size_m.map(|extent_m| [clearance_m, extent_m - clearance_m])
+    }
+
+    /// The place in the world of a place that is given by its distances along both sides.
+    pub fn in_world(&self, [along_m, across_m]: [f64; 2]) -> [f64; 2] {
+        if self.heading_deg == 0.0 {
+            return [self.corner_m[0] + along_m, self.corner_m[1] + across_m];
+        }
+        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        [self.corner_m[0] + cos * along_m - sin * across_m, self.corner_m[1] + sin * along_m + cos * across_m]
+    }
+
+    /// Distances along both sides of a place in the world.
+    pub fn in_hall(&self, [x_m, y_m]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        let [x_m, y_m] = [x_m - self.corner_m[0], y_m - self.corner_m[1]];
+        [cos * x_m + sin * y_m, cos * y_m - sin * x_m]
+    }
+}
+
+/// Checks whether the ceiling camera sees enough of the markers on the scene's map from every pose in each room that is a rectangle, by the markers
+/// in that room; `None` if there is no ceiling camera or no marker.
 pub fn coverage(scene: &Scene) -> Option<Coverage> {
     let markers = scene.markers.as_ref()?;
     let goal = markers.goal();
     let field = Field::new(scene, goal.margin_px)?;
     let on_map = markers.all().iter().filter(|marker| marker.on_map);
-    let places: Vec<Place> = on_map.map(|marker| [marker.x_m, marker.y_m, markers.height_m(marker, scene)]).collect();
-    Some(covered(&field, &places, &reach(scene), goal.seen_at_once))
-}
-
-/// Ranges of world x and y in which the robot's origin stays, because its body cannot come closer to the walls.
-pub fn reach(scene: &Scene) -> [[f64; 2]; 2] {
-    let clearance_m = scene.robot_model().body.clearance_m;
-    [scene.room.width_m, scene.room.depth_m].map(|extent_m| [clearance_m, extent_m - clearance_m])
+    let on_map: Vec<Place> = on_map.map(|marker| [marker.x_m, marker.y_m, markers.height_m(marker, scene)]).collect();
+    let of_hall = |hall: Hall| {
+        let here = on_map.iter().filter_map(|&[x_m, y_m, height_m]| {
+            let [along_m, across_m] = hall.in_hall([x_m, y_m]);
+            let is_here = (0.0..=hall.size_m[0]).contains(&along_m) && (0.0..=hall.size_m[1]).contains(&across_m);
+            is_here.then_some([along_m, across_m, height_m])
+        });
+        let places: Vec<Place> = here.collect();
+        match covered(&field, &places, &hall.reach_m(scene), goal.seen_at_once) {
+            Coverage::Covered => Coverage::Covered,
+            Coverage::Uncovered { pose, seen } => {
+                let [x_m, y_m] = hall.in_world([pose.x_m, pose.y_m]);
+                let heading_rad = pose.heading_rad + hall.heading_deg.to_radians();
+                Coverage::Uncovered { pose: Pose { x_m, y_m, heading_rad }, seen }
+            }
+        }
+    };
+    let uncovered = Hall::all(scene).into_iter().map(of_hall).find(|coverage| *coverage != Coverage::Covered);
+    Some(uncovered.unwrap_or(Coverage::Covered))
 }
 
 /// A box of robot poses, given by its middle and half of each of its sides.

@@ -2,7 +2,7 @@
 
 use super::contradiction::Contradiction;
 use crate::{
-    loading::coverage::{Ceiling, Field, Unlaid, reach, smallest_kept},
+    loading::coverage::{Ceiling, Field, Hall, Place, Unlaid, smallest_kept},
     scene::{Marker, Scene, UNDER_CEILING_M},
 };
 
@@ -10,7 +10,8 @@ use crate::{
 const FROM_WALL_M: f64 = 0.08;
 
 impl Scene {
-    /// Lays out ceiling markers as `[markers.layout]` demands. Does nothing if the scene has no such table.
+    /// Lays out ceiling markers as `[markers.layout]` demands, in the robot's room and then in each further room that is a rectangle. Does nothing if
+    /// the scene has no such table.
     pub(super) fn lay_out_markers(&mut self) -> Result<(), Contradiction> {
         let Some(markers) = self.markers.as_ref().filter(|markers| markers.layout.is_some()) else { return Ok(()) };
         let refused = |expected: String| Contradiction { key: "markers.layout".to_owned(), expected };
@@ -21,28 +22,37 @@ impl Scene {
             return Err(refused("stands without `[robot.ceiling_camera]`, for which markers are laid out".to_owned()));
         }
         let (words, coding) = (localizer::markers::Coding::from(markers.coding).identities(), markers.coding.as_str());
-        let room_m = [self.room.width_m, self.room.depth_m];
-        let ceiling = Ceiling {
-            reach_m: reach(self),
-            markers_m: room_m.map(|extent_m| [FROM_WALL_M, extent_m - FROM_WALL_M]),
-            height_m: self.building.ceiling_height_m - UNDER_CEILING_M - markers.height_tolerance_m,
-            seen_at_once: markers.goal().seen_at_once,
-            most_markers: words.len(),
-        };
         let field = Field::new(self, markers.goal().margin_px);
-        let places = field.ok_or(Unlaid::Uncovered).and_then(|field| smallest_kept(&field, &ceiling)).map_err(|unlaid| {
-            refused(match unlaid {
-                Unlaid::Uncovered => "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling camera, \
-                                      or smaller tolerances"
-                    .to_owned(),
-                Unlaid::TooMany(needed) => format!(
-                    "{needed} markers are needed, but the {coding} have {} words; expected a shorter focal length, a lower camera under a \
-                     higher ceiling, smaller tolerances, or `coding = \"plain\"` with 4096",
-                    words.len()
-                ),
-            })
-        })?;
-        let laid_out = words.iter().zip(places).map(|(word, [x_m, y_m, _])| Marker::new(word.0, x_m, y_m)).collect();
+        let mut laid_out: Vec<Marker> = Vec::new();
+        for hall in Hall::all(self) {
+            let ceiling = Ceiling {
+                reach_m: hall.reach_m(self),
+                markers_m: hall.size_m.map(|extent_m| [FROM_WALL_M, extent_m - FROM_WALL_M]),
+                height_m: self.building.ceiling_height_m - UNDER_CEILING_M - markers.height_tolerance_m,
+                seen_at_once: markers.goal().seen_at_once,
+                most_markers: words.len() - laid_out.len(),
+            };
+            let places = field.as_ref().ok_or(Unlaid::Uncovered).and_then(|field| smallest_kept(field, &ceiling));
+            let places = places.map_err(|unlaid| {
+                refused(match unlaid {
+                    Unlaid::Uncovered => "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling \
+                                          camera, or smaller tolerances"
+                        .to_owned(),
+                    Unlaid::TooMany(needed) => format!(
+                        "{} markers are needed, but the {coding} have {} words; expected a shorter focal length, a lower camera under a \
+                         higher ceiling, smaller tolerances, or `coding = \"plain\"` with 4096",
+                        laid_out.len() + needed,
+                        words.len()
+                    ),
+                })
+            })?;
+            let free = &words[laid_out.len()..];
+            let hung = |(word, place): (&localizer::markers::MarkerId, Place)| {
+                let [x_m, y_m] = hall.in_world([place[0], place[1]]);
+                Marker { rotation_deg: hall.heading_deg, ..Marker::new(word.0, x_m, y_m) }
+            };
+            laid_out.extend(free.iter().zip(places).map(hung));
+        }
         if let Some(markers) = &mut self.markers {
             markers.laid_out = laid_out;
         }

@@ -153,7 +153,7 @@ impl<'a> Recorder<'a> {
         self.compared(|recorder| recorder.compare(&reading, &accounts, &truth));
         let n_before = &mut self.n_read[usize::from(matches!(reading, Reading::Camera { .. }))];
         let of_its_kind = *n_before;
-        *n_before += 1;
+        *n_before += usize::from(!accounts.is_empty());
         for account in accounts {
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(of_its_kind, failed).then(|| reading.clone());

@@ -37,8 +37,8 @@ pub struct Markers {
     /// Ceiling markers, stated one by one.
     #[serde(rename = "marker")]
     pub markers: Vec<Marker>,
-    /// Lets the program lay out the markers, in place of stating single ones. It lays out as few as are proven to be enough for the room and the
-    /// ceiling camera, with the identities of `coding` in their order.
+    /// Lets the program lay out the markers, in place of stating single ones. It lays out as few as are proven to be enough for the
+    /// ceiling camera, in the room and in each further room that is a rectangle, with the identities of `coding` in their order.
     pub layout: Option<Layout>,
     #[serde(skip)]
     pub(crate) laid_out: Vec<Marker>,

@@ -1,6 +1,11 @@
 //! What the pictures of a scene's way show that is perhaps not as its author meant it, in sentences.
 
-use crate::scene::{MethodName, Scene};
+use nalgebra::vector;
+
+use crate::{
+    place::building::Polygon,
+    scene::{FurtherRoom, MethodName, Scene},
+};
 
 use super::{CameraCheck, MethodCheck, SceneCheck, significant};
 
@@ -27,14 +32,19 @@ pub(super) fn of(scene: &Scene, found: &SceneCheck) -> Vec<String> {
     doubts
 }
 
-/// Ceiling markers, which tell a robot that is put down anywhere where it is, are in the robot's own room alone.
+/// Ceiling markers tell a robot that is put down anywhere where it is, if every room has some.
 fn anywhere(scene: &Scene) -> Option<String> {
-    let reads_markers = scene.localizer.methods.contains(&MethodName::CeilingMarkers);
-    (scene.start.anywhere && reads_markers && !scene.building.rooms.is_empty()).then(|| {
-        "`start.anywhere`: the robot may be put down in a further room, where no markers are and where it stays until the end; expected one room, which \
-         partitions may divide"
-            .to_owned()
-    })
+    let markers = scene.markers.as_ref().filter(|_| scene.localizer.methods.contains(&MethodName::CeilingMarkers))?;
+    let has_markers = |room: &FurtherRoom| {
+        let outline = Polygon::new(&room.outline_m());
+        markers.all().iter().any(|marker| outline.contains(vector![marker.x_m, marker.y_m]))
+    };
+    let bare = scene.building.rooms.iter().position(|room| !has_markers(room));
+    let bare = bare.filter(|_| scene.start.anywhere)?;
+    Some(format!(
+        "`building.room[{bare}]`: the robot may be put down there by `start.anywhere`, where no markers are and where it stays until the end; expected \
+         markers in every room"
+    ))
 }
 
 fn overexposed(camera: &CameraCheck) -> Option<String> {

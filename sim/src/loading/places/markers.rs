@@ -2,12 +2,16 @@
 
 use crate::{
     loading::contradiction::Contradiction,
+    place::building::GroundPlan,
     scene::{Marker, Markers, Scene, UNDER_CEILING_M},
 };
 use localizer::markers::{self, MarkerId};
 
 /// Half the side of the square that a marker takes up: half a spacing of dots more than the distance of its outermost dots' centres from its middle.
 const HALF_WIDTH_M: f64 = 0.08;
+
+/// Distance by which rounding may move the corner of a marker into a wall.
+const ROUNDING_M: f64 = 1e-9;
 
 /// All contradictions in `scene` about its markers.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
@@ -60,17 +64,29 @@ fn twice(marker: &Marker, earlier: &[Marker]) -> Problem {
     ))
 }
 
+/// Whether the whole square of a marker is in a room or in several that go over into each other.
+fn hangs_in_a_further_room(marker: &Marker, scene: &Scene) -> bool {
+    let (sin, cos) = marker.rotation_deg.to_radians().sin_cos();
+    let plan = GroundPlan::of(scene);
+    let is_inside = |[along, across]: [f64; 2]| {
+        let [along_m, across_m] = [along * HALF_WIDTH_M, across * HALF_WIDTH_M];
+        let corner_m = [marker.x_m + cos * along_m - sin * across_m, marker.y_m + sin * along_m + cos * across_m];
+        plan.wall_distance_m(corner_m) >= -ROUNDING_M
+    };
+    plan.has_further_rooms() && [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(is_inside)
+}
+
 fn outside(marker: &Marker, scene: &Scene) -> Problem {
+    if hangs_in_a_further_room(marker, scene) {
+        return None;
+    }
     let (sin, cos) = marker.rotation_deg.to_radians().sin_cos();
     let reach_m = HALF_WIDTH_M * (sin.abs() + cos.abs());
     for (key, at_m, extent_m) in [("x_m", marker.x_m, scene.room.width_m), ("y_m", marker.y_m, scene.room.depth_m)] {
         if !(reach_m..=extent_m - reach_m).contains(&at_m) {
             let [least_m, most_m] = [reach_m, extent_m - reach_m].map(super::short);
-            let further = if scene.building.rooms.is_empty() {
-                ""
-            } else {
-                ": markers hang in `[room]` alone, and not in a `[[building.room]]`"
-            };
+            let further =
+                if scene.building.rooms.is_empty() { "" } else { ", or a place wholly in a `[[building.room]]`" };
             return Some((
                 key,
                 format!("reaches out of the room, expected a number from {least_m} to {most_m}{further}"),
