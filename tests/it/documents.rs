@@ -4,7 +4,7 @@ use std::{
     path::PathBuf,
 };
 
-use sim::campaign::cases::from_csv;
+use sim::{campaign::cases::from_csv, loading::SceneFile};
 
 use crate::{command::root, repository::pages};
 
@@ -127,6 +127,23 @@ fn links_and_headings_are_found_outside_of_code_only() {
     let text = "# A `b`, c_d!\n[e](f.md#g) and ![h](i.png), `[j](k)`\n```\n# l\n[m](n)\n```\n## 2. Two  (paper 1)\n[o\np](#q)\n";
     assert_eq!(link_targets(text), ["f.md#g", "i.png", "#q"]);
     assert_eq!(anchors(text).into_iter().collect::<Vec<_>>(), ["2-two--paper-1", "a-b-c_d"]);
+}
+
+#[test]
+fn every_experiment_has_a_row_among_all_results() {
+    let results = fs::read_to_string(root().join("docs/src/all_results.csv")).unwrap();
+    let shown: BTreeSet<&str> =
+        results.lines().filter_map(|line| line.strip_prefix("runs,")?.split(',').next()).collect();
+    let list = fs::read_to_string(root().join("experiments/list")).unwrap();
+    let paths = list.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(' ').nth(2).unwrap());
+    for path in paths {
+        let files = SceneFile::load_all(&[root().join(path)]).unwrap();
+        for file in files {
+            let name = file.path.strip_prefix(root().join("scenes")).unwrap().with_extension("");
+            let name = name.to_str().unwrap();
+            assert!(shown.contains(name), "{name} of `experiments/list` is not in all_results.csv");
+        }
+    }
 }
 
 #[test]

@@ -694,6 +694,8 @@ fn a_route_through_mapped_furniture_and_a_person_through_a_shelf_are_refused() {
     let through = blind_scene(1.0, &person("[[0.6, 1.65], [2.4, 1.65]]"));
     let parts = ["`person[0].waypoints_m", "[0.6, 1.65] to [2.4, 1.65]", "through furniture[0]"];
     assert_refused("person_through_shelf", through, &parts);
+    let named = blind_scene(1.0, &person("[[0.6, 1.65], [2.4, 1.65]]").replacen("x_m", "name = \"shelf\"\nx_m", 1));
+    assert_refused("person_through_named_shelf", named, &["through furniture[0] (shelf), expected"]);
     assert_refused("person_in_shelf", blind_scene(1.0, &person("[[1.5, 1.7]]")), &["furniture[0]"]);
     assert!(Scene::parse(&blind_scene(1.0, &person("[[0.6, 1.5], [2.4, 1.5]]")), "scene.toml").is_ok());
 }

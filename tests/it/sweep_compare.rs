@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
     artefacts::run_files,
-    campaign::comparison::{Comparison, Demand, Finding, Side, compare, quantile},
+    campaign::comparison::{Comparison, Demand, Finding, Side, as_text, compare, quantile},
     loading::SceneFile,
     run::{RunOptions, run},
     subject::IntervalLocalizer,
@@ -226,6 +226,17 @@ fn a_case_that_ran_once_and_cannot_any_more_is_worse() {
     assert!(comparison.is_worse());
     assert_eq!(comparison.failed, ["scene seed 1"]);
     assert!(!compare(&side("failed"), &side("done"), Demand::default()).is_worse());
+}
+
+#[test]
+fn differences_that_do_not_scatter_do_not_tell_what_could_be_seen() {
+    let side = |[first, second]: [f64; 2]| {
+        let text = format!("scene,seed,status,availability\nscene,0,done,{first:?}\nscene,1,done,{second:?}\n");
+        Side::parse(&text).unwrap()
+    };
+    let told = |other: [f64; 2]| as_text(&compare(&side([0.9, 0.8]), &side(other), Demand::default()));
+    assert!(told([0.9, 0.8]).contains("unknown"), "{}", told([0.9, 0.8]));
+    assert!(!told([0.9, 0.7]).contains("unknown"), "{}", told([0.9, 0.7]));
 }
 
 #[test]

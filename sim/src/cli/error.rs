@@ -86,8 +86,8 @@ pub(super) enum CommandError {
     OutsideRoom { scene: PathBuf, at_m: [f64; 2], room_m: [f64; 2], reach_m: f64 },
     #[error("render {} --at {},{}: in no room or by a wall, expected {reach_m} m of distance from walls, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
     ByWall { scene: PathBuf, at_m: [f64; 2], reach_m: f64 },
-    #[error("render {} --at {},{}: in or by `furniture[{index}]`, expected {reach_m} m of distance, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
-    InFurniture { scene: PathBuf, at_m: [f64; 2], index: usize, reach_m: f64 },
+    #[error("render {} --at {},{}: in or by {piece}, expected {reach_m} m of distance, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
+    InFurniture { scene: PathBuf, at_m: [f64; 2], piece: String, reach_m: f64 },
     #[error("upgrade {}: failed to {}", .0.display(), .1)]
     Upgrade(PathBuf, UpgradeError),
     #[error("write {}: {}", .0.display(), .1)]

@@ -185,7 +185,8 @@ fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
         return Err(CommandError::OutsideRoom { scene: file.path.clone(), at_m, room_m, reach_m });
     }
     if let Some(index) = scene.furniture.iter().position(|furniture| furniture.distance_m(at_m) < least_m) {
-        return Err(CommandError::InFurniture { scene: file.path.clone(), at_m, index, reach_m });
+        let piece = scene.furniture[index].told(index);
+        return Err(CommandError::InFurniture { scene: file.path.clone(), at_m, piece, reach_m });
     }
     Ok(Pose { x_m: at.x_m, y_m: at.y_m, heading_rad: at.heading_deg.to_radians() })
 }

@@ -118,7 +118,8 @@ Cases are paired by scene, settings and seed. Seeds are the independent witnesse
 the cases of each seed, and a paired t interval says whether their mean is zero. All intervals together hold with the
 confidence asked for. A side that contained the truth at every step is better than one that did not, whatever the interval.
 
-`least seen` is the least difference that these seeds would tell from chance: with more seeds it shrinks.
+`least seen` is the least difference that these seeds would tell from chance: with more seeds it shrinks. It is unknown where all seeds
+have the same difference.
 
 Exit code: 0 nothing is worse, 1 something is or could not run any more, 2 could not compare.";
 

@@ -101,7 +101,8 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
         }
         for (index, furniture) in scene.furniture.iter().enumerate() {
             if furniture.distance_m(at_m) < keep_m {
-                let expected = format!("in or by furniture[{index}], expected {} m of distance, {why}", short(keep_m));
+                let piece = furniture.told(index);
+                let expected = format!("in or by {piece}, expected {} m of distance, {why}", short(keep_m));
                 found.push(Contradiction { key: format!("{key}.x_m"), expected });
             }
         }
@@ -138,8 +139,9 @@ fn route_legs(scene: &Scene, found: &mut Vec<Contradiction>) {
             if ends_apart && things::meets(piece, way_m, radius_m) {
                 let [[x0_m, y0_m], [x1_m, y1_m]] = way_m;
                 let expected = format!(
-                    "the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] leads through or by furniture[{number}], expected {} m \
-                     of distance, the radius of the robot's body, or `mapped = false` for furniture that it is to run into",
+                    "the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] leads through or by {}, expected {} m of \
+                     distance, the radius of the robot's body, or `mapped = false` for furniture that it is to run into",
+                    piece.told(number),
                     short(radius_m)
                 );
                 found.push(Contradiction { key: format!("route.waypoint[{index}].x_m"), expected });

@@ -84,6 +84,15 @@ pub struct Landmark {
 }
 
 impl Furniture {
+    /// The piece in a message: its key in the scene's list, where it has the given number, and its name if it has one.
+    pub(crate) fn told(&self, number: usize) -> String {
+        if self.name.is_empty() {
+            format!("furniture[{number}]")
+        } else {
+            format!("furniture[{number}] ({})", self.name)
+        }
+    }
+
     /// Whether the map on which the robot plans its paths shows this piece of furniture; true unless the scene states otherwise.
     pub fn is_mapped(&self) -> bool {
         self.mapped.unwrap_or(true)

@@ -71,7 +71,8 @@ fn row(line: &Line) -> [String; 7] {
         show(second),
         format!("{:+.4}", (second - first) * scale),
         format!("{:+.4} … {:+.4}", line.difference[0] * scale, line.difference[1] * scale),
-        format!("±{:.4}", line.least_seen * scale),
+        // Differences that do not scatter at all say nothing about how others would.
+        if line.least_seen > 0.0 { format!("±{:.4}", line.least_seen * scale) } else { "unknown".to_owned() },
         finding.to_owned(),
     ]
 }

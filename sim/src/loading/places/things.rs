@@ -94,7 +94,8 @@ fn meets_furniture(scene: &Scene, person: &Person) -> Option<String> {
     };
     let ([[x0_m, y0_m], [x1_m, y1_m]], index) = legs.into_iter().find_map(met)?;
     Some(format!(
-        "the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] leads through furniture[{index}], expected a way beside it"
+        "the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] leads through {}, expected a way beside it",
+        scene.furniture[index].told(index)
     ))
 }
 
