@@ -74,3 +74,27 @@ fn of_two_pushes_each_breaks_the_bounds_at_its_own_time() {
         assert!(spans.windows(2).all(|pair| pair[0][1] < pair[1][0]), "{bound}: {spans:?}");
     }
 }
+
+#[test]
+fn bounds_that_break_in_a_run_that_passes_are_told() {
+    let folder = folder("broken_all_the_same");
+    let told = |name: &str, more: &str| {
+        fs::write(
+            folder.join(name),
+            blind_scene(2.0, more)
+                .replace("floor_camera = false", "floor_camera = false\n[robot.base]\nwheel_wear = [0.01, 0.0]"),
+        )
+        .unwrap();
+        let (code, stdout, stderr) = outcome(&mut wherein(&folder, &["run", name, "--seeds", "0..2"]));
+        assert_eq!(code, 0, "{stderr}");
+        stdout
+    };
+    let worn = told("worn.toml", "");
+    // A wheel that is worn by 1 % exceeds the tolerance of 0.2 % four to six times, as its radius is also drawn within it.
+    let line = worn.lines().find(|line| line.starts_with("worn: bounds were broken in 2 runs that passed")).unwrap();
+    let times = line.split("wheels.radius ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!((4.0..=6.0).contains(&times.parse::<f64>().unwrap()), "{line}");
+    // Where the scene has an event, a broken bound is no surprise.
+    let push = "[[event]]\nkind = \"push\"\nat_s = 1.5\ndisplacement_m = [0.0, 0.001]\nlasts_s = 0.4\n";
+    assert!(!told("pushed.toml", push).contains("bounds were broken"));
+}

@@ -247,6 +247,7 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
         print(&as_text(&lines(&outcomes, true), &arguments.columns.clone().unwrap_or_default()))?;
         print(&not_applicable(recorded))?;
         print(&honesty_told(&outcomes))?;
+        print(&broken_all_the_same(recorded))?;
         if !arguments.baselines {
             print("\nOdometry is the only other method that was run; --baselines runs the papers' and others.\n")?;
         }
@@ -266,6 +267,35 @@ fn honesty_told(outcomes: &[Outcome]) -> String {
     let told =
         told.filter_map(|line| Some(format!("\n{}, {}: {}\n", line.scene, line.subject, honesty(&line.figures)?)));
     told.collect()
+}
+
+/// A line for each scene of which runs passed in which declared bounds were broken, though no event of the scene explains it: that the boxes held the
+/// truth was luck then.
+fn broken_all_the_same(recorded: &[Recorded]) -> String {
+    let mut scenes: BTreeMap<&str, (usize, BTreeMap<&str, f64>)> = BTreeMap::new();
+    for one in recorded.iter().filter(|one| one.outcome.passed && one.file.scene.events.is_empty()) {
+        let violations = one.summary["violations"].as_array().map_or(&[][..], Vec::as_slice);
+        if violations.is_empty() {
+            continue;
+        }
+        let (n_runs, bounds) = scenes.entry(&one.outcome.scene).or_default();
+        *n_runs += 1;
+        for violation in violations {
+            let value = |key: &str| violation[key].as_f64().unwrap_or(f64::NAN);
+            let worst = bounds.entry(violation["bound"].as_str().unwrap_or_default()).or_default();
+            *worst = worst.max(value("true") / value("declared"));
+        }
+    }
+    let told = |(scene, (n_runs, bounds)): (&str, (usize, BTreeMap<&str, f64>))| {
+        let times = |(bound, ratio): (&&str, &f64)| match ratio.is_finite() {
+            true => format!("{bound} {ratio:.2} times"),
+            false => format!("{bound}, declared as 0"),
+        };
+        let bounds: Vec<String> = bounds.iter().map(times).collect();
+        let runs = if n_runs == 1 { "run that passed" } else { "runs that passed" };
+        format!("\n{scene}: bounds were broken in {n_runs} {runs}, at most by: {}\n", bounds.join(", "))
+    };
+    scenes.into_iter().map(told).collect()
 }
 
 /// A line for each scene with expectations that do not apply to the localizer under test.
