@@ -108,9 +108,9 @@ fn what_cannot_be_rendered_is_refused_with_its_reason() {
         (&["render", "seeing.toml", "--at", "1,0.1,90"], "as the robot's body reaches 0.25 m about its origin"),
         (
             &["render", "furnished.toml", "--at", "1.6,1.5,0"],
-            "failed to render furnished.toml --at 1.6,1.5: in or by furniture[0], expected 0.25 m of distance",
+            "failed to render furnished.toml --at 1.6,1.5: in or by furniture[0] (box), expected 0.25 m of distance",
         ),
-        (&["render", "furnished.toml", "--at", "1.5,1.2,0"], "in or by furniture[0]"),
+        (&["render", "furnished.toml", "--at", "1.5,1.2,0"], "in or by furniture[0] (box)"),
         (&["render", "seeing.toml", "--lux", "-1"], "from 0 to 100000 lx"),
         (&["render", "seeing.toml", "--contact-sheet", "0.1,1"], "such as lux=0.1,1,10,100,1000"),
     ];
