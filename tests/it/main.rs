@@ -107,6 +107,8 @@ mod gyro_band;
 mod base_clock;
 /// Tests of errors that are drawn anew for every reading, and of those that always push to one side (drift), against their bounds.
 mod world_drifts;
+/// Tests of the car as a base against closed forms: steering, slip, its rear wheels as the localizer reads them, its driver, and refused drives.
+mod cars;
 /// Tests of routes that the robot drives by estimated poses, and of the default bounds on such a drive.
 mod world_driver;
 /// Tests of occupancy grids, paths through them and their files, against maps drawn by hand and the rules of ROS's map_server.

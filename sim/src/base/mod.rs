@@ -5,7 +5,9 @@
 //! A new kind needs such a file, its keys in [`scene::base`](crate::scene::Base), and one line of `scene::with_every_base`. The base's motion is in
 //! [`world`](crate::world), the reading of its wheels in `devices::encoders`.
 
+mod ackermann;
 mod differential;
+mod turning_circle;
 
 use interval::Interval;
 use localizer::{
@@ -18,6 +20,8 @@ use crate::{
     scene::{Base, BaseKind, Bounds, Robot, with_every_base},
     truth::randomness::{draw_within, stream},
 };
+
+pub(crate) use turning_circle::TurningCircle;
 
 /// Declared bounds on the base that the true values can exceed, because wheels may be worn beyond what is declared.
 pub(crate) const CLIPPED: [Assumption; 2] = [bounds::WHEELS_RADIUS, bounds::WHEELS_TRACK];
@@ -33,12 +37,28 @@ pub struct DriveCommand {
 
 /// A kind of base, implemented for the keys that only this kind has.
 pub(crate) trait Drivetrain {
-    /// What the robot stands on: the left wheel of the axle, its right wheel, and then everything else, such as casters, which roll without friction.
+    /// What the robot stands on: the left wheel of the axle, its right wheel, then wheels that are steered, and then everything else.
     fn feet(&self, robot: &Robot, drawn: &DrawnBase) -> Vec<Foot>;
 
-    /// Spin rates that the motors of the left and of the right wheel are to reach for a commanded motion, positive when rolling forward. They are
-    /// computed from the nominal dimensions of the axle, as a robot does not know its true ones.
-    fn wheel_speeds_rad_per_s(&self, base: &Base, command: DriveCommand) -> [f64; 2];
+    /// Spin rates that the motors of the left and of the right wheel are to reach for a commanded motion, positive when rolling forward, while the
+    /// base is steered by an angle. They are computed from nominal dimensions, as a robot does not know its true ones.
+    fn wheel_speeds_rad_per_s(&self, base: &Base, command: DriveCommand, steering_rad: f64) -> [f64; 2];
+
+    /// Steering angle of the base, positive to the left, when a time step under a commanded motion has passed since the angle was `_steering_rad`. It
+    /// stays 0 where nothing is steered.
+    fn steered_rad(&self, _command: DriveCommand, _steering_rad: f64, _step_s: f64) -> f64 {
+        0.0
+    }
+
+    /// Direction in which a steered wheel rolls, counter-clockwise from forward, at a place forward and left in the robot frame.
+    fn rolling_rad(&self, _place_m: [f64; 2], _steering_rad: f64) -> f64 {
+        0.0
+    }
+
+    /// Circle that bounds how sharply the base turns; `None` if it can turn in place.
+    fn turning_circle(&self) -> Option<TurningCircle> {
+        None
+    }
 }
 
 /// A point at which the robot stands on the floor.
@@ -51,6 +71,19 @@ pub(crate) struct Foot {
     pub(crate) weight_share: f64,
     /// Stiffness and damping of the spring above the point, over those of a usual wheel's spring.
     pub(crate) relative_stiffness: f64,
+    /// What touches the floor there.
+    pub(crate) kind: FootKind,
+}
+
+/// What touches the floor under a foot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FootKind {
+    /// A wheel of the axle, driven by a motor.
+    Driven,
+    /// A wheel that rolls freely in the direction in which it is steered, and grips sideways.
+    Steered,
+    /// A caster, which rolls in any direction without friction.
+    Caster,
 }
 
 /// The point, forward and left in the robot frame, above which the robot's weight must be for each of its feet to bear its share of it.
@@ -59,7 +92,7 @@ pub(crate) fn balance_m(feet: &[Foot]) -> [f64; 2] {
 }
 
 macro_rules! define {
-    ($($(#[$doc:meta])+ $kind:ident: $table:ident,)+) => {
+    ($($(#[$doc:meta])+ $kind:ident: $table:ident $(unless $omitted:literal)?,)+) => {
         impl Base {
             /// The drivetrain of this base's kind.
             pub(crate) fn drivetrain(&self) -> &dyn Drivetrain {
@@ -72,6 +105,15 @@ macro_rules! define {
 }
 
 with_every_base!(define);
+
+impl Base {
+    /// Spin rates at which the left and the right wheel of the axle roll without slip in a motion, by nominal dimensions.
+    fn spins_rad_per_s(&self, motion: DriveCommand) -> [f64; 2] {
+        let half_turn_m_per_s = 0.5 * self.track_m * motion.turn_rad_per_s;
+        [motion.speed_m_per_s - half_turn_m_per_s, motion.speed_m_per_s + half_turn_m_per_s]
+            .map(|wheel_m_per_s| wheel_m_per_s / self.wheel_radius_m)
+    }
+}
 
 /// True dimensions of the robot's base, and the error of its clock.
 #[derive(Clone, Copy, Debug)]
@@ -167,12 +209,13 @@ pub(crate) fn wheel_model(robot: &Robot, bounds: &Bounds) -> WheelModel {
 
 #[cfg(test)]
 mod tests {
-    use super::{Foot, balance_m};
+    use super::{Foot, FootKind, balance_m};
 
     /// Two feet 0.2 m apart bear three quarters of the weight, and one 0.4 m behind them bears a quarter: the weight is 0.1 m behind the two.
     #[test]
     fn weight_that_a_rear_foot_bears_is_behind_the_axle() {
-        let foot = |place_m: [f64; 2], weight_share: f64| Foot { place_m, weight_share, relative_stiffness: 1.0 };
+        let kind = FootKind::Caster;
+        let foot = |place_m: [f64; 2], weight_share: f64| Foot { place_m, weight_share, relative_stiffness: 1.0, kind };
         let feet = [foot([0.0, 0.1], 0.375), foot([0.0, -0.1], 0.375), foot([-0.4, 0.0], 0.25)];
         let [forward_m, left_m] = balance_m(&feet);
         assert!((forward_m + 0.1).abs() < 1e-15 && left_m.abs() < 1e-15, "{forward_m} {left_m}");

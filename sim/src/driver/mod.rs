@@ -1,12 +1,17 @@
 //! The driver: turns the localizer's estimates into drive commands (speed and turn rate), along the scene's route or on errands by paths that it plans itself.
 //!
 //! On a route the driver steers by the estimated pose: pure pursuit along the polyline, with stops and turns in place where the route asks
-//! for them. It is given estimates only, never the true pose, so that a robot with a wrong estimate drives as such a robot would. On
+//! for them. A base that cannot turn in place is never asked for a smaller circle than its own. The driver is given estimates only, never the true pose, so that a robot with a wrong estimate drives as such a robot would. On
 //! errands it also has its scanner.
+
+use std::f64::consts::FRAC_PI_2;
 
 use localizer::{Estimate, Pose, Status};
 
-use crate::{base::DriveCommand, scene::Scene};
+use crate::{
+    base::{DriveCommand, TurningCircle},
+    scene::Scene,
+};
 
 mod caution;
 mod errands;
@@ -33,6 +38,10 @@ const JERK_RISE_S: f64 = 0.2;
 /// Look-ahead distance of pure pursuit at standstill, over the track. With a shorter one the robot weaves when the estimate jumps, with a
 /// longer one it cuts corners.
 const LOOK_AHEAD_OVER_TRACK: f64 = 1.0;
+
+/// Look-ahead distance of pure pursuit at standstill, over the radius of the turning circle, for a base that cannot turn in place. With a shorter one
+/// it begins its curves too late and comes out of them beside the path.
+const LOOK_AHEAD_OVER_CIRCLE: f64 = 1.0;
 
 /// Look-ahead distance of pure pursuit that is added per unit of speed.
 const LOOK_AHEAD_S: f64 = 0.2;
@@ -73,6 +82,9 @@ pub struct Driver {
     stage: Stage,
     speed: Ramp,
     turn: Ramp,
+    /// Turning circle of a base that cannot turn in place, and the curvature that such a base drives at present, positive to the left.
+    circle: Option<TurningCircle>,
+    curvature_per_m: f64,
     caution: Caution,
     pose: Pose,
     progress: Progress,
@@ -109,15 +121,18 @@ impl Driver {
     pub fn new(scene: &Scene) -> Driver {
         let robot = &scene.robot;
         let acceleration_m_per_s2 = robot.max_acceleration_m_per_s2;
+        let circle = robot.base.drivetrain().turning_circle();
         Driver {
             path: None,
             scene: scene.clone(),
             segment_idx: 0,
-            stage: Stage::Turn,
+            stage: if circle.is_some() { Stage::Drive } else { Stage::Turn },
             speed: Ramp::new(acceleration_m_per_s2, JERK_RISE_S),
             // In a turn the wheels accelerate half as hard as straight on, because a tyre may have to bear both accelerations at once, and
             // because at the end of a turn the tyres' rubber swings from full braking to nothing without rolling on.
             turn: Ramp::new(acceleration_m_per_s2 / robot.base.track_m, JERK_RISE_S),
+            circle,
+            curvature_per_m: 0.0,
             caution: Caution::new(scene),
             pose: scene.nominal_start(),
             progress: Progress { left_m: f64::INFINITY, at_s: 0.0 },
@@ -138,6 +153,8 @@ impl Driver {
                 let wish = self.wish(time_s);
                 Wish { speed_m_per_s: wish.speed_m_per_s * speed_share, ..wish }
             }
+            // A base that cannot turn in place waits until it may creep on.
+            Freedom::LookAround { .. } if self.circle.is_some() => Wish::default(),
             // The robot turns in place to see more: a round robot that turns about its own middle touches nothing, and its floor camera
             // sees other joints.
             Freedom::LookAround { turn_rad_per_s } => Wish { speed_m_per_s: 0.0, turn_rad_per_s },
@@ -153,10 +170,13 @@ impl Driver {
 
     /// Motion that approaches the wanted speed and turn rate as fast as the tyres should bear.
     fn actuate(&mut self, wish: Wish) -> DriveCommand {
-        DriveCommand {
-            speed_m_per_s: self.speed.follow(wish.speed_m_per_s, PERIOD_S),
-            turn_rad_per_s: self.turn.follow(wish.turn_rad_per_s, PERIOD_S),
-        }
+        let speed_m_per_s = self.speed.follow(wish.speed_m_per_s, PERIOD_S);
+        let turn_rad_per_s = match self.circle {
+            // The turn rate goes with the speed, so that the steering angle stays as the curve asks for it. The base limits the rate of that angle.
+            Some(_) => speed_m_per_s * self.curvature_per_m,
+            None => self.turn.follow(wish.turn_rad_per_s, PERIOD_S),
+        };
+        DriveCommand { speed_m_per_s, turn_rad_per_s }
     }
 
     /// The speed and turn rate that the route asks for at a time.
@@ -181,7 +201,11 @@ impl Driver {
     fn watch_progress(&mut self, path: &Path, time_s: f64) {
         let left_m =
             path.segment(self.segment_idx).map_or(0.0, |segment| segment.length_m - segment.foot_m(self.place_m()));
-        let gets_on = (left_m - self.progress.left_m).abs() > PROGRESS_M;
+        let gets_on = match self.circle {
+            // A car that circles about a waypoint moves all the time, but comes no closer.
+            Some(_) => left_m < self.progress.left_m - PROGRESS_M,
+            None => (left_m - self.progress.left_m).abs() > PROGRESS_M,
+        };
         if gets_on || !matches!(self.stage, Stage::Drive | Stage::Turn) {
             self.progress = Progress { left_m, at_s: time_s };
         } else if time_s - self.progress.at_s > STUCK_S {
@@ -205,7 +229,14 @@ impl Driver {
 
     fn go_on_after(&mut self, path: &Path, segment_idx: usize) {
         self.segment_idx = segment_idx + 1;
-        self.stage = if path.waypoint(self.segment_idx).is_some() { Stage::Turn } else { Stage::Finished };
+        self.stage = match (path.waypoint(self.segment_idx), &self.circle) {
+            (None, _) => Stage::Finished,
+            (Some(_), None) => Stage::Turn,
+            (Some(_), Some(_)) => Stage::Drive,
+        };
+        if self.circle.is_some() {
+            self.progress.left_m = f64::INFINITY;
+        }
     }
 
     /// Turns the robot in place until it faces the look-ahead point on the path.
@@ -238,6 +269,9 @@ impl Driver {
                     .is_some_and(|next| next.distance_m(place_m) < segment.distance_m(place_m)))
         {
             self.segment_idx += 1;
+            if self.circle.is_some() {
+                self.progress.left_m = f64::INFINITY;
+            }
         }
         let Some((segment, waypoint)) = path.segment(self.segment_idx).zip(path.waypoint(self.segment_idx)) else {
             self.stage = Stage::Finished;
@@ -249,11 +283,19 @@ impl Driver {
             return Wish::default();
         }
         let (off_rad, distance_m) = self.way_ahead(path);
-        if off_rad.abs() > TURN_FIRST_RAD {
+        if off_rad.abs() > TURN_FIRST_RAD && self.circle.is_none() {
             self.stage = Stage::Turn;
             return Wish::default();
         }
-        let curvature_per_m = 2.0 * off_rad.sin() / distance_m;
+        let mut curvature_per_m = 2.0 * off_rad.sin() / distance_m;
+        if let Some(circle) = &self.circle {
+            // Towards a point behind, the sharpest curve leads soonest.
+            let sharpest_per_m = 1.0 / circle.radius_m;
+            let is_behind = off_rad.abs() > FRAC_PI_2;
+            let wanted_per_m = if is_behind { off_rad.signum() * sharpest_per_m } else { curvature_per_m };
+            curvature_per_m = wanted_per_m.clamp(-sharpest_per_m, sharpest_per_m);
+            self.curvature_per_m = curvature_per_m;
+        }
         let limit_m_per_s = waypoint
             .speed_m_per_s
             .min(self.scene.robot.max_speed_m_per_s)
@@ -276,7 +318,8 @@ impl Driver {
         let corner_rad = path.corner_rad(self.segment_idx).unwrap_or(0.0);
         // The look-ahead point goes round the corner while the robot does, so that the robot sees it at about two thirds of the corner's
         // angle.
-        let curvature_per_m = 2.0 * (0.67 * corner_rad).sin() / look_ahead_m;
+        let sharpest_per_m = self.circle.map_or(f64::INFINITY, |circle| 1.0 / circle.radius_m);
+        let curvature_per_m = (2.0 * (0.67 * corner_rad).sin() / look_ahead_m).min(sharpest_per_m);
         let corner_m_per_s = self.curve_speed_m_per_s(curvature_per_m);
         (corner_m_per_s * corner_m_per_s + 2.0 * braking_m_per_s2 * (left_m - look_ahead_m).max(0.0)).sqrt()
     }
@@ -302,7 +345,11 @@ impl Driver {
     }
 
     fn look_ahead_m(&self) -> f64 {
-        LOOK_AHEAD_OVER_TRACK * self.scene.robot.base.track_m + LOOK_AHEAD_S * self.speed.value()
+        let by_base_m = match &self.circle {
+            Some(circle) => LOOK_AHEAD_OVER_CIRCLE * circle.radius_m,
+            None => LOOK_AHEAD_OVER_TRACK * self.scene.robot.base.track_m,
+        };
+        by_base_m + LOOK_AHEAD_S * self.speed.value()
     }
 
     fn turn_limit_rad_per_s(&self) -> f64 {

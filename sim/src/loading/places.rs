@@ -2,6 +2,7 @@
 
 mod building;
 mod cameras;
+mod cars;
 mod errands;
 mod logs;
 mod markers;
@@ -37,6 +38,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
     cameras::contradictions(scene, &mut found);
+    cars::contradictions(scene, &mut found);
     errands::contradictions(scene, &mut found);
     markers::contradictions(scene, &mut found);
     sensors::contradictions(scene, &mut found);

@@ -43,7 +43,7 @@ mod wall_directions;
 mod wall_ranges;
 
 pub(crate) use base::with_every_base;
-pub use base::{Base, BaseKind, Differential};
+pub use base::{Ackermann, Base, BaseKind, Differential};
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, Picture};
 pub use careful::BoundsFrom;

@@ -196,7 +196,7 @@ impl Coming {
 }
 
 /// Mass properties of the body: those of an upright homogeneous cylinder, whose centre is above the point at which the feet of the base bear their
-/// shares of the weight with the body level. For a differential drive that point is the middle of the axle.
+/// shares of the weight with the body level. For a differential drive that point is the middle of the axle, for a car it is before that.
 fn mass_properties(scene: &Scene, drawn: &Drawn) -> MassProperties {
     let (mass_kg, radius_m) = (scene.robot.mass_kg, scene.robot.body_radius_m);
     let [forward_m, left_m] = balance_m(&scene.robot.base.drivetrain().feet(&scene.robot, &drawn.base));

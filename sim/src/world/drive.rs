@@ -1,4 +1,4 @@
-//! A driven wheel with motor, spin and tyre, simulated in substeps of a quarter of a millisecond.
+//! A wheel with spin and tyre, and with a motor if it is driven, simulated in substeps of a quarter of a millisecond.
 
 use crate::scene::Stuck;
 
@@ -10,6 +10,10 @@ const SUBSTEPS: u32 = 4;
 
 /// Inertia of a wheel with its geared rotor, as an equivalent mass at the wheel's rim, over the robot's mass; 0.0086 kg·m² for the P3-DX.
 const INERTIA_SHARE: f64 = 0.1;
+
+/// Inertia of a wheel without a motor, as an equivalent mass at the wheel's rim, over the robot's mass: a solid wheel of a twenty-fifth of the robot's
+/// mass. A lighter one would oscillate on its tyre faster than the substeps resolve.
+const FREE_INERTIA_SHARE: f64 = 0.02;
 
 /// Bandwidth of the wheel's speed controller when the wheel drives half the robot's mass: so fast that its lag is unnoticeable at 10 ms, and so
 /// slow that it does not ring with the tyre.
@@ -25,7 +29,7 @@ const FORCE_LIMIT_OVER_WEIGHT: f64 = 0.5;
 /// Time constant with which the set-point follows the command, so that commands 10 ms apart give a smooth acceleration.
 const SETPOINT_LAG_S: f64 = 0.02;
 
-/// A driven wheel.
+/// A wheel, driven or rolling freely.
 #[derive(Clone, Debug)]
 pub(super) struct Wheel {
     /// True rolling radius of the wheel.
@@ -37,7 +41,8 @@ pub(super) struct Wheel {
     /// Contact patch of the wheel's tyre on the floor.
     pub(super) patch: Patch,
     inertia_kg_m2: f64,
-    motor: Motor,
+    /// Motor of a driven wheel.
+    motor: Option<Motor>,
 }
 
 /// Forces that a wheel exerts on the robot's body, averaged over a step.
@@ -50,7 +55,7 @@ pub(super) struct Traction {
 }
 
 impl Wheel {
-    /// A wheel at rest under a robot of the given mass.
+    /// A driven wheel at rest under a robot of the given mass.
     pub(super) fn new(radius_m: f64, robot_mass_kg: f64, gravity_m_per_s2: f64) -> Self {
         let inertia_kg_m2 = INERTIA_SHARE * robot_mass_kg * radius_m * radius_m;
         let driven_kg_m2 = inertia_kg_m2 + 0.5 * robot_mass_kg * radius_m * radius_m;
@@ -61,7 +66,19 @@ impl Wheel {
             spin_rad_per_s: 0.0,
             patch: Patch::default(),
             inertia_kg_m2,
-            motor: Motor::new(SPEED_BANDWIDTH_PER_S * driven_kg_m2, limit_n_m),
+            motor: Some(Motor::new(SPEED_BANDWIDTH_PER_S * driven_kg_m2, limit_n_m)),
+        }
+    }
+
+    /// A wheel without a motor at rest under a robot of the given mass.
+    pub(super) fn free(radius_m: f64, robot_mass_kg: f64) -> Self {
+        Wheel {
+            radius_m,
+            angle_rad: 0.0,
+            spin_rad_per_s: 0.0,
+            patch: Patch::default(),
+            inertia_kg_m2: FREE_INERTIA_SHARE * robot_mass_kg * radius_m * radius_m,
+            motor: None,
         }
     }
 
@@ -80,7 +97,10 @@ impl Wheel {
         let substep_s = step_s / f64::from(SUBSTEPS);
         let mut mean = Traction::default();
         for _ in 0..SUBSTEPS {
-            let torque_n_m = self.motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s);
+            let torque_n_m = match &mut self.motor {
+                Some(motor) => motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s),
+                None => 0.0,
+            };
             let force_n = self.patch.force_n(tyre, contact);
             // Semi-implicit step: I·Ω̇ = T − R·F_x gives the new spin first, then the wheel's angle and the tyre's bristles are advanced with
             // that spin. Both must use the same rolling, or every acceleration would slip by half a substep's worth.

@@ -7,7 +7,7 @@
 use rapier3d_f64::prelude::Vector;
 
 use crate::{
-    base::DriveCommand,
+    base::{DriveCommand, FootKind, balance_m},
     place::{
         Bystander,
         floor::{Floor, Ground},
@@ -56,10 +56,13 @@ pub struct World {
     chassis: Chassis,
     /// Keys of the base, which decide what the wheels do for a commanded motion.
     base: Base,
-    wheels: [Wheel; 2],
-    /// Tyre of both wheels on a hard floor.
+    /// The left and the right wheel of the axle, then those that are steered; each is under the support of the same index.
+    wheels: Vec<Wheel>,
+    /// Steering angle of the base, positive to the left.
+    steering_rad: f64,
+    /// Tyre of all wheels on a hard floor.
     tyre: Tyre,
-    /// Supports of the body: those of the two wheels first, then those of everything else that the base stands on.
+    /// Supports of the body: those of the wheels first, then those of everything else that the base stands on.
     supports: Vec<Support>,
     floor: Floor,
     pushes: Vec<Push>,
@@ -72,6 +75,8 @@ pub struct World {
     /// Total vertical force of the floor on the robot in the present step.
     borne_n: f64,
     track_m: f64,
+    /// Point of the floor under the centre of mass when the body is level, robot frame.
+    balance: Vector,
     n_steps: u64,
     odometer: Odometer,
 }
@@ -80,12 +85,19 @@ impl World {
     /// The scene's world at time 0: the robot at its true start, at rest on its wheels.
     pub fn new(scene: &Scene, drawn: &Drawn) -> World {
         let chassis = Chassis::new(scene, drawn);
-        let wheel = |radius_m| Wheel::new(radius_m, scene.robot.mass_kg, GRAVITY_M_PER_S2);
+        let robot = &scene.robot;
+        let feet = robot.base.drivetrain().feet(robot, &drawn.base);
+        let driven = drawn.base.wheel_radius_m.map(|radius_m| Wheel::new(radius_m, robot.mass_kg, GRAVITY_M_PER_S2));
+        let steered = feet.iter().filter(|foot| foot.kind == FootKind::Steered);
+        let steered = steered.map(|_| Wheel::free(robot.base.wheel_radius_m, robot.mass_kg));
+        let wheels = driven.into_iter().chain(steered).collect();
+        let [forward_m, left_m] = balance_m(&feet);
         World {
             odometer: Odometer::new(drawn, &chassis.state()),
             chassis,
             base: scene.robot.base.clone(),
-            wheels: drawn.base.wheel_radius_m.map(wheel),
+            wheels,
+            steering_rad: 0.0,
             tyre: Tyre::default(),
             supports: Support::all(scene, drawn),
             floor: Floor::new(scene),
@@ -97,17 +109,20 @@ impl World {
             traction: Vector::ZERO,
             borne_n: 0.0,
             track_m: drawn.base.track_m,
+            balance: Vector::new(forward_m, left_m, 0.0),
             n_steps: 0,
         }
     }
 
     /// Advances the world by [`STEP_S`] under a commanded motion and returns the true state of the robot afterwards.
     pub fn step(&mut self, command: DriveCommand) -> Truth {
-        self.step_wheels(self.base.drivetrain().wheel_speeds_rad_per_s(&self.base, command))
+        let drivetrain = self.base.drivetrain();
+        self.steering_rad = drivetrain.steered_rad(command, self.steering_rad, STEP_S);
+        self.step_wheels(drivetrain.wheel_speeds_rad_per_s(&self.base, command, self.steering_rad))
     }
 
     /// Advances the world by [`STEP_S`] while the motors of the left and of the right wheel are commanded to reach these spin rates, positive when
-    /// rolling forward. Returns the true state of the robot afterwards.
+    /// rolling forward; a base that steers keeps its steering angle. Returns the true state of the robot afterwards.
     pub fn step_wheels(&mut self, spins_rad_per_s: [f64; 2]) -> Truth {
         let time_s = self.n_steps as f64 / STEPS_PER_S;
         self.floor.advance_to(time_s);
@@ -144,7 +159,6 @@ impl World {
     /// Applies the forces of the floor: supports bear the body, driven wheels pull it, and the pile of a carpet drags at wheels and
     /// casters.
     fn bear(&mut self, body: &BodyState, spins_rad_per_s: [f64; 2], time_s: f64) {
-        let robot_left = body.world_from_robot.rotation * Vector::Y;
         let mut rolled_m = [0.0; 2];
         (self.traction, self.borne_n) = (Vector::ZERO, 0.0);
         for (support_idx, support) in self.supports.iter().enumerate() {
@@ -162,19 +176,31 @@ impl World {
                 let velocity = body.forward * forward_m_per_s + body.left * left_m_per_s;
                 force -= velocity * (ground.drag * load_n / velocity.length().max(DRAG_WHOLE_M_PER_S));
             }
-            // The first two supports are the wheels; the others are casters, which roll without friction.
+            // The first supports are the wheels; the others are casters, which roll without friction.
             if let Some(wheel) = self.wheels.get_mut(support_idx) {
-                let (contact, axes) = contact(body, foot, load_n, &ground);
+                // Only steered wheels, which come after the two of the axle, roll in another direction than forward.
+                let rolling_rad = match support_idx {
+                    0 | 1 => 0.0,
+                    _ => {
+                        let place = support.foot_in_robot;
+                        self.base.drivetrain().rolling_rad([place.x, place.y], self.steering_rad)
+                    }
+                };
+                let (contact, axes) = contact(body, foot, rolling_rad, load_n, &ground);
                 let tyre = ground.pile_stiffness.map_or(self.tyre, |pile| self.tyre.on_pile(pile));
                 let before_rad = wheel.angle_rad;
-                let stuck = self.stuck.at(support_idx, time_s);
-                let command_rad_per_s = spins_rad_per_s[support_idx];
+                let stuck = if support_idx < 2 { self.stuck.at(support_idx, time_s) } else { None };
+                let command_rad_per_s = spins_rad_per_s.get(support_idx).copied().unwrap_or(0.0);
                 let traction = wheel.advance(command_rad_per_s, &tyre, &contact, stuck, STEP_S);
-                rolled_m[support_idx] = (wheel.angle_rad - before_rad) * wheel.radius_m;
+                if let Some(rolled_m) = rolled_m.get_mut(support_idx) {
+                    *rolled_m = (wheel.angle_rad - before_rad) * wheel.radius_m;
+                }
                 let grip = axes[0] * traction.force_n[0] + axes[1] * traction.force_n[1];
                 force += grip;
                 self.traction += grip;
-                self.chassis.twist(robot_left * traction.reaction_n_m);
+                let (sin, cos) = rolling_rad.sin_cos();
+                let axle = body.world_from_robot.rotation * Vector::new(-sin, cos, 0.0);
+                self.chassis.twist(axle * traction.reaction_n_m);
             }
             self.chassis.push(force, foot);
         }
@@ -193,7 +219,7 @@ impl World {
         for push in &mut self.pushes {
             let act = push.act(time_s, body, heading_rad, deflection, self.rolled, STEP_S);
             if let Some((force_n, torque_n_m)) = act {
-                self.chassis.push(-self.traction, body.world_from_robot.translation);
+                self.chassis.push(-self.traction, body.world_point(self.balance));
                 self.chassis.push(force_n + self.traction, self.chassis.centre_of_mass());
                 self.chassis.twist(Vector::new(0.0, 0.0, torque_n_m));
             }
@@ -212,10 +238,16 @@ impl World {
     }
 }
 
-/// Contact of a wheel with the floor at its lowest point `foot`, and the axes of the contact patch in the world: forward and left along the
-/// ground.
-fn contact(body: &BodyState, foot: Vector, load_n: f64, ground: &Ground) -> (Contact, [Vector; 2]) {
+/// Contact of a wheel with the floor at its lowest point `foot`, and the axes of the contact patch in the world: forward and left of a wheel that
+/// rolls in a direction counter-clockwise from the robot's forward, along the ground.
+fn contact(body: &BodyState, foot: Vector, rolling_rad: f64, load_n: f64, ground: &Ground) -> (Contact, [Vector; 2]) {
     let (mut axes, mut velocity_m_per_s) = ([body.forward, body.left], body.coming.over_floor(body, foot));
+    if rolling_rad != 0.0 {
+        let (sin, cos) = rolling_rad.sin_cos();
+        axes = [body.forward * cos + body.left * sin, body.left * cos - body.forward * sin];
+        let [forward, left] = velocity_m_per_s;
+        velocity_m_per_s = [forward * cos + left * sin, left * cos - forward * sin];
+    }
     let along = |world: [f64; 2], axis: Vector| world[0] * axis.x + world[1] * axis.y;
     let nap = axes.map(|axis| along(ground.nap, axis));
     if ground.slope != [0.0; 2] {

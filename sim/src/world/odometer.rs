@@ -32,7 +32,7 @@ impl Odometer {
     }
 
     /// Updates the true state of the robot by one step of the body.
-    pub(super) fn advance(&mut self, time_s: f64, body: &BodyState, wheels: &[Wheel; 2]) -> Truth {
+    pub(super) fn advance(&mut self, time_s: f64, body: &BodyState, wheels: &[Wheel]) -> Truth {
         let truth = &mut self.truth;
         let origin = body.world_from_robot.translation;
         let turn_rad = self.forward.cross(body.forward).z.atan2(self.forward.dot(body.forward));
@@ -53,7 +53,7 @@ impl Odometer {
         truth.pose = Pose { x_m: origin.x, y_m: origin.y, heading_rad: truth.pose.heading_rad + turn_rad };
         truth.heave_m = origin.z;
         truth.tilt_rad = tilt_rad(body);
-        truth.wheel_angle_rad = [wheels[0].angle_rad, wheels[1].angle_rad];
+        truth.wheel_angle_rad = [0, 1].map(|idx: usize| wheels[idx].angle_rad);
         self.forward = body.forward;
         *truth
     }

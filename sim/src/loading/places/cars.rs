@@ -1,0 +1,70 @@
+//! Contradictions about bases that cannot turn in place: what such a robot cannot drive, and dimensions with which it could not be built.
+
+use crate::{
+    base::TurningCircle,
+    loading::contradiction::Contradiction,
+    scene::{BaseKind, Scene},
+};
+
+/// Dimensions of a car that do not fit together, and drives that a car cannot do.
+pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let base = &scene.robot.base;
+    if base.kind != BaseKind::Ackermann {
+        return;
+    }
+    dimensions(scene, found);
+    let mut refuse = |key: &str, expected: &str| {
+        found.push(Contradiction { key: key.to_owned(), expected: expected.to_owned() });
+    };
+    if !scene.errands.is_empty() {
+        refuse(
+            "robot.base.kind",
+            "a car drives no errands, expected \"differential\", or a `[route]` in place of the errands",
+        );
+    }
+    if scene.navigation().random_goals > 0 {
+        refuse(
+            "navigation.random_goals",
+            "a car drives no errands, expected 0, or `robot.base.kind = \"differential\"`",
+        );
+    }
+    if scene.start.anywhere {
+        let expected = "true with a car, which cannot look around in place, expected false, or \
+                        `robot.base.kind = \"differential\"`";
+        refuse("start.anywhere", expected);
+    }
+    if let Some(circle) = base.drivetrain().turning_circle() {
+        route(scene, circle, found);
+    }
+}
+
+fn dimensions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let (base, car) = (&scene.robot.base, &scene.robot.base.ackermann);
+    let front_m = car.front_track_m.unwrap_or(base.track_m);
+    let wider_m = base.track_m.max(front_m);
+    let circle_m = car.wheelbase_m / car.max_steering_deg.to_radians().tan();
+    if circle_m <= 0.5 * wider_m {
+        let expected = format!(
+            "turns about a point {circle_m:.3} m from the middle of the rear axle, between the wheels, \
+             expected a smaller angle, with which the point is more than {:.3} m away, half the track",
+            0.5 * wider_m
+        );
+        found.push(Contradiction { key: "robot.base.ackermann.max_steering_deg".to_owned(), expected });
+    }
+    let reach_m = car.wheelbase_m.hypot(0.5 * front_m);
+    if scene.robot.body_radius_m < reach_m {
+        let expected = format!(
+            "does not cover the front wheels, which touch the floor {reach_m:.3} m from the middle of the rear axle, \
+             expected that or more"
+        );
+        found.push(Contradiction { key: "robot.body_radius_m".to_owned(), expected });
+    }
+}
+
+fn route(scene: &Scene, circle: TurningCircle, found: &mut Vec<Contradiction>) {
+    let Some(route) = &scene.route else { return };
+    if let Some(refused) = circle.off_limits(scene.nominal_start(), route) {
+        let key = format!("route.waypoint[{}].{}", refused.waypoint_idx, refused.key);
+        found.push(Contradiction { key, expected: refused.expected });
+    }
+}
