@@ -6,6 +6,7 @@
 //! they read.
 
 mod building;
+mod car;
 mod ceiling;
 mod drive;
 mod far_room;

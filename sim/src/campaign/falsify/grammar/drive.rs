@@ -10,6 +10,7 @@ use crate::{
 
 use super::{
     building::Obstacles,
+    car,
     tables::{items, number, place, table},
 };
 
@@ -47,6 +48,9 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     if let Some(Value::Table(route)) = scene.get_mut("route") {
         settle_route(route, &mut dice, &obstacles, start_m, robot);
     }
+    if let Some(circle) = robot.base.drivetrain().turning_circle() {
+        car::settle_route(scene, draws, &obstacles, circle);
+    }
     for errand in items(scene, "errand") {
         place(errand, obstacles.free_place(&mut dice, 0.1, None));
     }
@@ -81,6 +85,11 @@ fn settle_route(route: &mut Table, dice: &mut Dice, obstacles: &Obstacles, start
         let speed_m_per_s = number(waypoint, "speed_m_per_s").unwrap_or(0.4).min(robot.max_speed_m_per_s);
         waypoint.insert("speed_m_per_s".to_owned(), Value::Float(rounded(speed_m_per_s, 3)));
     }
+}
+
+/// Whether the kind of drive that [`settle`] chooses is a route.
+pub(super) fn has_route(draws: &Draws) -> bool {
+    choose(&mut draws.dice("drive")).contains(&"route")
 }
 
 fn choose(dice: &mut Dice) -> &'static [&'static str] {

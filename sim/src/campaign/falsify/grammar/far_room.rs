@@ -22,7 +22,9 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, [width_m, depth_m]: [f64;
     let radius_m = robot.body_radius_m;
     let door_m = 2.0 * radius_m + dice.uniform(0.1, 0.6);
     let has_route = scene.get("route").is_some_and(Value::is_table);
-    if !dice.chance(PROBABILITY) || !has_route || door_m + 0.1 > depth_m || 2.0 * radius_m + 0.2 > width_m {
+    // The way through the door would have corners that a car cannot take.
+    let is_car = robot.base.drivetrain().turning_circle().is_some();
+    if !dice.chance(PROBABILITY) || !has_route || is_car || door_m + 0.1 > depth_m || 2.0 * radius_m + 0.2 > width_m {
         return;
     }
     let middle_m = dice.uniform(0.5 * door_m + 0.04, depth_m - 0.5 * door_m - 0.04);

@@ -5,11 +5,14 @@ use toml::{Table, Value};
 
 use crate::{
     campaign::falsify::dice::{Dice, Draws, rounded},
-    scene::{Bounds, CameraKeys, Flow, Gyro, Robot, RobotPreset},
+    scene::{BaseKind, Bounds, CameraKeys, Flow, Gyro, Robot, RobotPreset},
 };
 use localizer::reading::Camera;
 
-use super::tables::{meaning, number, table};
+use super::{
+    car, drive,
+    tables::{meaning, number, table},
+};
 
 /// Probability with which a robot has each of the devices that need no rendered images. The cameras are listed apart.
 const FITTED: [(&str, f64); 5] =
@@ -23,7 +26,7 @@ const CAMERAS: [(&str, Camera, f64); 3] = [
 ];
 
 /// Completes the tables `[robot]` and `[bounds]` of a drawn scene, and returns the robot with all its default values.
-pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Robot {
+pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cameras: bool) -> Robot {
     let robot = table(scene, "robot");
     let mut dice = draws.dice("devices that are fitted");
     for (name, share) in FITTED {
@@ -58,6 +61,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Rob
         camera.remove("least_range_m");
     }
     settle_images(robot, draws);
+    car::settle(robot, draws, room_m, drive::has_route(draws));
     let fitted: Robot = meaning(robot).unwrap_or_default();
     settle_bounds(table(scene, "bounds"), draws, &fitted);
     fitted
@@ -156,7 +160,8 @@ fn bend(camera: &mut Table, dice: &mut Dice) {
 /// are at least five times as wide for half of the P3-DX robots, on which the defaults were measured, and for all other robots.
 fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
     let usual = Bounds::default();
-    let is_usual = robot.preset == RobotPreset::P3dx && draws.dice("robot as it is").chance(0.5);
+    let is_p3dx = robot.preset == RobotPreset::P3dx && robot.base.kind == BaseKind::Differential;
+    let is_usual = is_p3dx && draws.dice("robot as it is").chance(0.5);
     let mut state = |key: &str, least: f64, most: f64| {
         let mut dice: Dice = draws.dice(&format!("bounds.{key}"));
         bounds.insert(key.to_owned(), Value::Float(rounded(dice.log_uniform(least, most), 3)));

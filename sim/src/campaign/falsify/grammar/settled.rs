@@ -23,7 +23,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
     let most_s = if has_cameras { 8.0 } else { 20.0 };
     let duration_s = rounded(draws.dice("duration_s").uniform(most_s / 4.0, most_s), 3);
     scene.insert("duration_s".to_owned(), Value::Float(duration_s));
-    let fitted = robot::settle(scene, draws, has_cameras);
+    let fitted = robot::settle(scene, draws, room_m, has_cameras);
     methods(scene, draws, &fitted);
     building::settle(scene, draws, room_m, &fitted);
     drive::settle(scene, draws, room_m, &fitted);

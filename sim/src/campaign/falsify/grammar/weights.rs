@@ -32,7 +32,7 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 52] = [
+const CHANCES: [(&str, f64); 53] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("log", 0.0),
@@ -60,6 +60,7 @@ const CHANCES: [(&str, f64); 52] = [
     ("robot.errors", 0.6),
     ("robot.base", 1.0),
     ("robot.base.differential", 1.0),
+    ("robot.base.ackermann", 1.0),
     ("robot.floor_camera", 1.0),
     ("robot.forward_camera", 1.0),
     ("robot.ceiling_camera", 1.0),
@@ -91,7 +92,7 @@ const CHANCES: [(&str, f64); 52] = [
 
 /// Ranges from which values of keys are drawn, narrower than those of the schema: beyond them a robot tips over, stands still, or sees nothing, and
 /// every run is the same.
-const RANGES: [(&str, [f64; 2]); 136] = [
+const RANGES: [(&str, [f64; 2]); 141] = [
     ("start.tolerance_m", [0.0, 0.5]),
     ("start.tolerance_deg", [0.0, 20.0]),
     ("station.tolerance_m", [0.0, 0.3]),
@@ -116,6 +117,11 @@ const RANGES: [(&str, [f64; 2]); 136] = [
     ("robot.base.track_tolerance", [0.0, 0.03]),
     ("robot.base.wheel_wear", [0.0, 0.02]),
     ("robot.base.differential.caster_stiffness", [0.1, 1.0]),
+    ("robot.base.ackermann.wheelbase_m", [0.15, 0.4]),
+    ("robot.base.ackermann.front_track_m", [0.15, 0.45]),
+    ("robot.base.ackermann.front_share", [0.3, 0.7]),
+    ("robot.base.ackermann.max_steering_deg", [15.0, 40.0]),
+    ("robot.base.ackermann.steering_rate_deg_per_s", [20.0, 300.0]),
     ("robot.max_speed_m_per_s", [0.1, 0.8]),
     ("robot.max_turn_rate_rad_per_s", [0.3, 2.5]),
     ("robot.max_acceleration_m_per_s2", [0.1, 1.5]),
