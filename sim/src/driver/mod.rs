@@ -1,8 +1,9 @@
-//! The driver: turns the localizer's estimates into drive commands (speed and turn rate), along the scene's route or on errands by paths that it plans itself.
+//! The driver: turns the localizer's estimates into drive commands (speed and turn rate), along the scene's route or on errands by paths that it plans
+//! itself.
 //!
 //! On a route the driver steers by the estimated pose: pure pursuit along the polyline, with stops and turns in place where the route asks
-//! for them. A base that cannot turn in place is never asked for a smaller circle than its own. The driver is given estimates only, never the true pose, so that a robot with a wrong estimate drives as such a robot would. On
-//! errands it also has its scanner.
+//! for them. A base that cannot turn in place is never asked for a smaller circle than its own. The driver is given estimates only, never the
+//! true pose, so that a robot with a wrong estimate drives as such a robot would. On errands it also has its scanner.
 
 use std::f64::consts::FRAC_PI_2;
 
