@@ -107,12 +107,7 @@ pub fn calibrate_board(
     let mut size_px: Option<(&Path, [u32; 2])> = None;
     let (mut views, mut missed): (Vec<Vec<Corner>>, Vec<PathBuf>) = (Vec::new(), Vec::new());
     for path in pictures {
-        let read = image::ImageReader::open(path).map_err(image::ImageError::IoError);
-        let read = read.and_then(|reader| reader.with_guessed_format().map_err(image::ImageError::IoError));
-        let picture = read
-            .and_then(image::ImageReader::decode)
-            .map_err(|source| BoardError::Unreadable { path: path.clone(), source })?;
-        let picture = picture.into_luma8();
+        let picture = decoded(path)?;
         let found = [picture.width(), picture.height()];
         match size_px {
             Some((first, expected)) if expected != found => {
@@ -141,6 +136,15 @@ pub fn calibrate_board(
     let deviations = deviations(&views, bend, size_px).ok_or(BoardError::Undetermined(n_views))?;
     let keys = keys_of(&found, &deviations, size_px, camera);
     Ok(BoardCalibration { size_px, n_views, missed, found, deviations, keys })
+}
+
+/// A picture from a file, in grey.
+pub(super) fn decoded(path: &Path) -> Result<image::GrayImage, BoardError> {
+    let read = image::ImageReader::open(path).map_err(image::ImageError::IoError);
+    let read = read.and_then(|reader| reader.with_guessed_format().map_err(image::ImageError::IoError));
+    let picture = read.and_then(image::ImageReader::decode);
+    let picture = picture.map_err(|source| BoardError::Unreadable { path: path.to_owned(), source })?;
+    Ok(picture.into_luma8())
 }
 
 /// Keys of the scene that declare a camera as it was found.

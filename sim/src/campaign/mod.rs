@@ -7,6 +7,7 @@
 //! | [`falsify`] | runs random scenes and reduces each one that fails to a small scene |
 //! | [`check`] | looks at the pictures along a scene's way before it is run |
 //! | [`board`] | calibrates a camera from pictures of a chessboard |
+//! | [`mount`] | finds where the ceiling camera is mounted, from pictures of turns on the spot |
 //! | [`weaken`] | gives the localizer ever narrower bounds until it loses the truth |
 //! | [`sharpness`] | compares the boxes of a run with what its readings and bounds leave open |
 //! | [`cases`] | reads the cases of a sweep, or the runs below a folder: one row each |
@@ -20,6 +21,7 @@ pub mod sweep;
 pub mod falsify;
 pub mod check;
 pub mod board;
+pub mod mount;
 pub mod weaken;
 pub mod sharpness;
 pub mod cases;

@@ -1,4 +1,5 @@
-//! `wherein calibrate`: constants of a robot and its cameras, and the bounds to declare, from a drive with true poses or from pictures of a board.
+//! `wherein calibrate`: constants of a robot and its cameras, and the bounds to declare, from a drive with true poses, from pictures of a
+//! board, or from pictures of turns on the spot.
 
 use std::{
     fs,
@@ -19,7 +20,7 @@ use crate::{
         log::calibration::{Calibrating, calibrate_drive},
         run_files::replace_file,
     },
-    campaign::board::calibrate_board,
+    campaign::{board::calibrate_board, mount::calibrate_mount},
     loading::{SceneTemplate, Setting, extending},
 };
 
@@ -37,6 +38,8 @@ enum By {
     Drive(DriveArguments),
     /// Finds a camera's focal lengths, principal point and lens from pictures of a chessboard.
     Board(BoardArguments),
+    /// Finds where the ceiling camera is mounted, from pictures of ceiling markers while the robot turns on the spot.
+    Mount(MountArguments),
 }
 
 #[derive(Debug, Args)]
@@ -93,6 +96,24 @@ struct BoardArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Let the robot turn on the spot under a marker of its map and take a picture every 10 to 30 degrees, a full circle in each folder; two folders
+from different places, or more. ± is three standard deviations by the jackknife over pictures. A tilt of the camera and an error of its
+principal point turn with the robot as its position does, and are added to the tolerance.
+
+Exit code: 0 the position was found, 2 it was not.")]
+struct MountArguments {
+    /// Folders, each with the pictures of one turn on the spot: PNG, JPEG or PGM files.
+    #[arg(value_name = "SPIN", required = true)]
+    spins: Vec<PathBuf>,
+    /// Scene of the robot with its ceiling camera, under the markers of its map.
+    #[arg(long, value_name = "SCENE")]
+    robot: PathBuf,
+    #[command(flatten)]
+    output: Output,
+}
+
+#[derive(Debug, Args)]
 struct Output {
     /// Write a scene that extends the robot's by what was found.
     #[arg(long, value_name = "FILE", requires = "robot")]
@@ -128,6 +149,7 @@ pub(super) fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Comm
     match &arguments.by {
         By::Drive(drive) => by_drive(drive),
         By::Board(board) => by_board(board),
+        By::Mount(mount) => by_spins(mount),
     }
 }
 
@@ -151,6 +173,14 @@ fn by_board(arguments: &BoardArguments) -> Result<ExitCode, CommandError> {
     let bend = if arguments.tangential { Bend::RadialAndTangential } else { Bend::Radial };
     let found = calibrate_board(&arguments.pictures, &board, bend, camera)?;
     arguments.output.tell(&found.text(), &found.to_json(), robot.as_ref(), &found.keys)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn by_spins(arguments: &MountArguments) -> Result<ExitCode, CommandError> {
+    arguments.output.refuse_robot(&arguments.robot)?;
+    let robot = SceneTemplate::load(&arguments.robot)?;
+    let found = calibrate_mount(&arguments.spins, &robot.file().scene, &arguments.robot)?;
+    arguments.output.tell(&found.text(), &found.to_json(), Some(&robot), &found.keys)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -13,7 +13,8 @@ use crate::{
         run_files::RecordError,
     },
     campaign::{
-        board::BoardError, comparison::SideError, falsify::FalsifyError, sharpness::SharpnessError, sweep::SweepError,
+        board::BoardError, comparison::SideError, falsify::FalsifyError, mount::MountError, sharpness::SharpnessError,
+        sweep::SweepError,
     },
     loading::UpgradeError,
     render::RenderError,
@@ -47,6 +48,8 @@ pub(super) enum CommandError {
     Log(#[from] LogError),
     #[error(transparent)]
     Board(#[from] BoardError),
+    #[error(transparent)]
+    Mount(#[from] MountError),
     #[error(transparent)]
     Record(#[from] RecordError),
     #[cfg(feature = "live")]
