@@ -105,10 +105,14 @@ mod tests {
     #[test]
     fn the_usual_columns_are_eight_and_faults_come_before_figures() {
         let of_boxes = ["localizer", "in_3_sigma", "nees", "width_3_sigma", "width_3_sigma_heading"];
-        let mut clean = row(&of_boxes);
+        let mut clean = row(&[&of_boxes[..], &["searched"]].concat());
         FAULTS.iter().for_each(|name| clean[index(name)] = "0".to_owned());
         let expected = ["run", "contained", "unsound", "rmse", "width", "width_heading", "goals", "verdict"];
         assert_eq!(usual(clean.clone(), Some(index("scene"))), expected);
+        // Where the robot had to find its place, the table says how long that took.
+        let mut searching = clean.clone();
+        searching[index("searched")] = "1".to_owned();
+        assert!(usual(searching, Some(index("scene"))).contains(&"searched"));
         clean[index("perception")] = "3".to_owned();
         let expected = ["run", "contained", "perception", "unsound", "rmse", "width", "width_heading", "verdict"];
         assert_eq!(usual(clean, Some(index("scene"))), expected);
