@@ -145,6 +145,18 @@ fn a_layout_covers_a_further_room_as_well() {
 }
 
 #[test]
+fn no_marker_is_laid_out_on_another_one_where_rooms_overlap() {
+    let arm = "[[building.room]]\nx_m = 0.0\ny_m = 1.0\nwidth_m = 2.0\ndepth_m = 4.0\n";
+    let scene = parse([4.0, 3.0], SHORT, &format!("[markers]\n[markers.layout]\n{arm}")).unwrap();
+    let places: Vec<[f64; 2]> = scene.markers.unwrap().all().iter().map(|marker| [marker.x_m, marker.y_m]).collect();
+    assert!(places.iter().any(|[_, y_m]| *y_m > 3.0), "{places:?}");
+    for (index, [x_m, y_m]) in places.iter().enumerate() {
+        let near = places[..index].iter().find(|other| (other[0] - x_m).hypot(other[1] - y_m) < 0.226);
+        assert_eq!(near, None, "beside {x_m}, {y_m}");
+    }
+}
+
+#[test]
 fn two_markers_at_once_are_two() {
     let two = "[markers]\n[markers.layout]\nseen_at_once = 2\n";
     let scene = parse([4.3, 3.1], SHORT, two).unwrap();

@@ -8,6 +8,8 @@ use crate::{
 
 /// Distance that the middles of laid-out markers keep from the walls.
 const FROM_WALL_M: f64 = 0.08;
+/// Least distance between the middles of two laid-out markers of rooms that overlap: the diagonal of a marker's square, at any turn of both.
+const APART_M: f64 = 0.23;
 
 impl Scene {
     /// Lays out ceiling markers as `[markers.layout]` demands, in the robot's room and then in each further room that is a rectangle. Does nothing if
@@ -46,12 +48,19 @@ impl Scene {
                     ),
                 })
             })?;
-            let free = &words[laid_out.len()..];
-            let hung = |(word, place): (&localizer::markers::MarkerId, Place)| {
-                let [x_m, y_m] = hall.in_world([place[0], place[1]]);
-                Marker { rotation_deg: hall.heading_deg, ..Marker::new(word.0, x_m, y_m) }
+            // Where rooms overlap, markers of the rooms before hang there already.
+            let is_free = |[x_m, y_m]: &[f64; 2]| {
+                laid_out.iter().all(|other| (other.x_m - x_m).hypot(other.y_m - y_m) >= APART_M)
             };
-            laid_out.extend(free.iter().zip(places).map(hung));
+            let in_world = places.iter().map(|place: &Place| hall.in_world([place[0], place[1]]));
+            let hung: Vec<[f64; 2]> = in_world.filter(is_free).collect();
+            let free = words[laid_out.len()..].iter();
+            laid_out.extend(
+                free.zip(hung).map(|(word, [x_m, y_m])| Marker {
+                    rotation_deg: hall.heading_deg,
+                    ..Marker::new(word.0, x_m, y_m)
+                }),
+            );
         }
         if let Some(markers) = &mut self.markers {
             markers.laid_out = laid_out;

@@ -66,20 +66,6 @@ impl FurtherRoom {
         }
     }
 
-    /// World x and y of the room's corners in order.
-    pub(crate) fn outline_m(&self) -> Vec<[f64; 2]> {
-        match self.shape() {
-            RoomShape::Polygon { corners_m } => corners_m.to_vec(),
-            RoomShape::Rectangle { corner_m, heading_deg, width_m, depth_m } => {
-                let (sin, cos) = heading_deg.to_radians().sin_cos();
-                let at = |along_m: f64, across_m: f64| {
-                    [corner_m[0] + cos * along_m - sin * across_m, corner_m[1] + sin * along_m + cos * across_m]
-                };
-                vec![at(0.0, 0.0), at(width_m, 0.0), at(width_m, depth_m), at(0.0, depth_m)]
-            }
-        }
-    }
-
     /// Turns the room by an angle about a point, whose turn of a position is `stands`.
     pub(super) fn turn(&mut self, turn_deg: f64, stands: impl Fn([f64; 2]) -> [f64; 2]) {
         match (&mut self.corners_m, self.x_m.zip(self.y_m)) {

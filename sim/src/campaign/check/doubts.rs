@@ -1,10 +1,10 @@
 //! What the pictures of a scene's way show that is perhaps not as its author meant it, in sentences.
 
-use nalgebra::vector;
+use nalgebra::Point3;
 
 use crate::{
-    place::building::Polygon,
-    scene::{FurtherRoom, MethodName, Scene},
+    place::building::{Enclosure, enclosures},
+    scene::{MethodName, Scene},
 };
 
 use super::{CameraCheck, MethodCheck, SceneCheck, significant};
@@ -35,11 +35,11 @@ pub(super) fn of(scene: &Scene, found: &SceneCheck) -> Vec<String> {
 /// Ceiling markers tell a robot that is put down anywhere where it is, if every room has some.
 fn anywhere(scene: &Scene) -> Option<String> {
     let markers = scene.markers.as_ref().filter(|_| scene.localizer.methods.contains(&MethodName::CeilingMarkers))?;
-    let has_markers = |room: &FurtherRoom| {
-        let outline = Polygon::new(&room.outline_m());
-        markers.all().iter().any(|marker| outline.contains(vector![marker.x_m, marker.y_m]))
+    let has_markers = |room: &Enclosure| {
+        markers.all().iter().any(|marker| room.contains(Point3::new(marker.x_m, marker.y_m, room.corner.z)))
     };
-    let bare = scene.building.rooms.iter().position(|room| !has_markers(room));
+    // The first enclosure is the robot's own room.
+    let bare = enclosures(scene)[1..].iter().position(|room| !has_markers(room));
     let bare = bare.filter(|_| scene.start.anywhere)?;
     Some(format!(
         "`building.room[{bare}]`: the robot may be put down there by `start.anywhere`, where no markers are and where it stays until the end; expected \
