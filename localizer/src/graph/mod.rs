@@ -9,6 +9,7 @@
 //! n₀·d = (n·d) cos δ − (m·d) sin δ. Only sin δ − δ and 1 − cos δ have to be enclosed, and no box of a landmark is needed.
 
 mod conflict;
+mod despite_wrong;
 mod domain;
 mod flow;
 mod hull;
@@ -27,6 +28,7 @@ mod way;
 mod width;
 
 pub use conflict::{Conflict, ConflictSearch};
+pub(crate) use despite_wrong::DespiteWrong;
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;

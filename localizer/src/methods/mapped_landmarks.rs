@@ -20,10 +20,11 @@
 mod album;
 mod atlas;
 mod camera;
+mod few_wrong;
 mod finding;
-mod groups;
 mod lens;
 pub mod pictures;
+mod pose_rows;
 mod ray;
 mod relate;
 

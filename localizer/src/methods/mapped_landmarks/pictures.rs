@@ -6,8 +6,8 @@
 //!
 //! **Wrong sightings.** A sighting is true if a point of the landmark's box is seen within the claimed error, and false otherwise: where something
 //! else looks like the landmark, where the landmark is no point of a surface, as where one edge passes behind another, and where its box is wrong. Of
-//! the sightings of a picture a declared number may be false ([`Quotas`]). Poses stay on which all others agree (`groups`). No sighting is certain by
-//! itself, so that none becomes a row of the graph of key frames.
+//! the sightings of a picture a declared number may be false ([`Quotas`]). Poses stay on which all others agree (`few_wrong`). No sighting is certain by
+//! itself; what all of them together say of the pose becomes rows of the graph of key frames (`pose_rows`).
 //!
 //! **Learning.** Where few landmarks are seen, new ones are made of the picture's corners (`album`).
 
@@ -28,9 +28,10 @@ use crate::{
 use super::{
     Learning, PointCameraModel, RECENT_S,
     album::Album,
+    few_wrong::FewWrong,
     finding::{Finder, Searched},
-    groups::ByGroups,
     lens::PictureLens,
+    pose_rows::PoseRows,
     ray::Optics,
     relate::Sight,
 };
@@ -181,8 +182,8 @@ impl PicturedLandmarks {
     }
 
     /// The contractor of sightings of which a number may be false.
-    fn by_sights(&self, sights: &[Sight], most_wrong: usize) -> ByGroups {
-        ByGroups::new(&self.finder.optics, self.stray, sights, most_wrong)
+    fn by_sights(&self, sights: &[Sight], most_wrong: usize) -> FewWrong {
+        FewWrong::new(&self.finder.optics, self.stray, sights, most_wrong)
     }
 }
 
@@ -211,7 +212,7 @@ impl Method for PicturedLandmarks {
             self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, false);
             if search.sights.len() >= FEWEST_FIRST {
                 let most_wrong = self.quotas.wrong_of(search.sights.len());
-                let known = self.by_sights(&search.sights, most_wrong).roughly(&pose);
+                let known = self.by_sights(&search.sights, most_wrong).pass(&pose);
                 pose = if known.is_empty() { pose } else { known };
             }
         }
@@ -252,6 +253,7 @@ impl Method for PicturedLandmarks {
             decides: on_pose.says_something(),
             claims,
             quota: Quota::of_each(most_wrong),
+            relations: Some(Arc::new(PoseRows::new(on_pose.clone(), self.finder.optics.camera.stamp_error_s))),
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
