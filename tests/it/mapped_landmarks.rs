@@ -161,6 +161,14 @@ fn a_map_of_landmarks_in_pictures_guides_a_robot_that_has_nothing_but_a_camera_t
     let count = |key: &str| counts[key].as_f64().unwrap();
     assert!(count("claims") > 3.0 * count("readings"), "{counts}");
     assert!(count("false_claims") <= 0.05 * count("claims"), "{counts}");
+    // Put down anywhere and told nothing but the map. From most places a robot sees too little of what the short drive has taught; from this one enough.
+    write_scene(&place, "room_anywhere", 0.6);
+    let arguments = ["repeat", "room_anywhere.toml", "--map", "map.json", "--seed", "19", "--out", "anywhere"];
+    let (code, told, errors) = outcome(&mut wherein(&place, &arguments));
+    assert_eq!(code, 0, "{told}{errors}");
+    let found = summary(&place, "anywhere/room_anywhere/19");
+    assert_eq!(found["containment"]["contained"], found["containment"]["checks"], "{found:#}");
+    assert!(found["width"]["heading_rad"]["mean"].as_f64().unwrap() < 1.5, "{}", found["width"]);
     // What no picture of this method can be, and maps of another kind of camera.
     let refused = |more: &[&str], told: &[&str]| {
         let (code, _, errors) = repeat("refused", more);

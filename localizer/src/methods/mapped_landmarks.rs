@@ -18,8 +18,10 @@
 //! (DIGO). Its text has errors; the book's page on the five papers lists them.
 
 mod album;
+mod anywhere;
 mod atlas;
 mod camera;
+mod consensus;
 mod few_wrong;
 mod finding;
 mod lens;

@@ -1,6 +1,6 @@
 //! The constraint of sightings of which a few may be wrong, as a contractor and as rows of the graph of key frames.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use interval::{
     IntervalBox,
@@ -9,16 +9,19 @@ use interval::{
 
 use crate::{
     PoseBox,
-    graph::{DespiteWrong, Relations, Stray, is_linear_over},
+    graph::{DespiteWrong, Relations, Stray},
 };
 
 use super::{
+    anywhere::is_vague,
     ray::Optics,
     relate::{Points, Sight},
 };
 
 /// Greatest number of times that a box is contracted: rows that are made anew about a narrower box lose less, and a wrong sighting relaxes them less.
 const PASSES: usize = 4;
+/// Least number of right sightings with which poses are searched in a wide box.
+const FEWEST_ANYWHERE: usize = 5;
 /// The box is contracted again where a coordinate has become narrower than this share of its width.
 const WORTHWHILE: f64 = 0.8;
 
@@ -29,8 +32,10 @@ const EXCLUDED: &str = "more sightings of an image than may be wrong exclude eve
 #[derive(Clone)]
 pub(super) struct FewWrong {
     sights: Vec<Points>,
-    most_wrong: usize,
-    stray: Stray,
+    pub(super) most_wrong: usize,
+    pub(super) stray: Stray,
+    /// A wide box of poses, with what the sightings leave of it: it is needed again each time that readings are gone through anew.
+    found: OnceLock<(PoseBox, Vec<PoseBox>)>,
 }
 
 impl FewWrong {
@@ -40,7 +45,17 @@ impl FewWrong {
         // Neighbours in the image are left out in different programs, so that each looks in many directions.
         let mut by_column = sights.to_vec();
         by_column.sort_by(|a, b| a.at_px[0].total_cmp(&b.at_px[0]).then(a.landmark.cmp(&b.landmark)));
-        FewWrong { sights: by_column.iter().map(alone).collect(), most_wrong, stray }
+        FewWrong { sights: by_column.iter().map(alone).collect(), most_wrong, stray, found: OnceLock::new() }
+    }
+
+    /// The sightings, each with what is known of the camera and the body.
+    pub(super) fn sights(&self) -> impl Iterator<Item = (&Optics, &Sight)> {
+        self.sights.iter().flat_map(|one| one.seen.iter().map(|sight| (&*one.optics, sight)))
+    }
+
+    /// Whether so many sightings agree that they tell where the robot is, of all places: chance does not make the greater part of them agree.
+    pub(super) fn tells_anywhere(&self) -> bool {
+        self.sights.len() >= self.most_wrong + FEWEST_ANYWHERE
     }
 
     /// Whether two sightings are right at least: one alone gives two equations for three coordinates of the pose.
@@ -68,8 +83,12 @@ impl FewWrong {
 
 impl Contractor<3> for FewWrong {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
-        if !self.says_something() || !is_linear_over(domain) {
+        if !self.says_something() {
             return Outcome::Feasible;
+        }
+        if is_vague(domain) {
+            let hull = self.branches(domain).iter().fold(PoseBox::EMPTY, |hull, branch| hull.hull(branch));
+            return settle(domain, hull, EXCLUDED);
         }
         let mut left = *domain;
         for _ in 0..PASSES {
@@ -80,6 +99,19 @@ impl Contractor<3> for FewWrong {
             }
         }
         settle(domain, left, EXCLUDED)
+    }
+
+    fn branches(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
+        if !is_vague(domain) || !self.tells_anywhere() {
+            let mut left = *domain;
+            let is_left = is_vague(domain) || self.contract(&mut left) == Outcome::Feasible;
+            return if is_left { vec![left] } else { Vec::new() };
+        }
+        let (searched, found) = self.found.get_or_init(|| (*domain, self.anywhere(domain)));
+        if !domain.is_subset_of(searched) {
+            return self.anywhere(domain);
+        }
+        found.iter().map(|one| one.intersect(domain)).filter(|one| !one.is_empty()).collect()
     }
 }
 

@@ -11,7 +11,7 @@ use crate::{
     map::SpacePoint,
     method::Claim,
     reading::LandmarkId,
-    vision::point_features::{Frame, Landmark, Search},
+    vision::point_features::{Frame, Landmark, Search, Sighting},
 };
 
 use super::{
@@ -56,6 +56,14 @@ pub(super) struct Searched {
     pub(super) near_px: Vec<[f64; 2]>,
 }
 
+impl Searched {
+    /// Keeps some of the sightings, given by their places in increasing order.
+    pub(super) fn keep(&mut self, kept: &[usize]) {
+        self.sights = kept.iter().map(|&at| self.sights[at]).collect();
+        self.claims = kept.iter().map(|&at| self.claims[at].clone()).collect();
+    }
+}
+
 /// The camera by which landmarks are searched.
 pub(super) struct Finder {
     pub(super) lens: PictureLens,
@@ -87,19 +95,43 @@ impl Finder {
                 album.note(one.landmark, &result);
             }
             searched.near_px.push(one.region_px.map(Interval::mid));
-            let Ok(sighting) = result else { continue };
-            searched.near_px.push(sighting.position_px);
-            let Some((at_px, error_px)) = self.lens.straightened(sighting.position_px, sighting.half_width_px) else {
-                continue;
-            };
-            searched.sights.push(Sight { landmark: one.landmark, point: one.point, at_px, error_px });
-            searched.claims.push(Claim::SpacePoint {
-                landmark: one.landmark,
-                point: one.point,
-                at_px: sighting.position_px,
-                half_width_px: sighting.half_width_px,
-            });
+            if let Ok(sighting) = result {
+                self.take(one.landmark, one.point, &sighting, searched);
+            }
         }
+    }
+
+    /// Searches landmarks whose depth is known in the whole picture: it may have been taken from anywhere. Whether they were found is not noted.
+    pub(super) fn search_everywhere(
+        &self,
+        album: &Album,
+        frame: &mut Frame,
+        size_px: [f64; 2],
+        searched: &mut Searched,
+    ) {
+        let whole_px = size_px.map(|size| Interval::new(0.0, size));
+        let scale = Interval::new(1.0 / GREATEST_RATIO, GREATEST_RATIO);
+        let search = Search::in_box(whole_px, scale, Interval::centred(0.0, TURN_RAD));
+        for (landmark, entry) in album.searched().filter(|(_, entry)| entry.point.place_m().is_some()) {
+            if let Ok(sighting) = frame.find(&entry.look, &search) {
+                self.take(landmark, entry.point, &sighting, searched);
+            }
+        }
+    }
+
+    /// Takes a landmark that was found among the sightings.
+    fn take(&self, landmark: LandmarkId, point: SpacePoint, sighting: &Sighting, searched: &mut Searched) {
+        searched.near_px.push(sighting.position_px);
+        let Some((at_px, error_px)) = self.lens.straightened(sighting.position_px, sighting.half_width_px) else {
+            return;
+        };
+        searched.sights.push(Sight { landmark, point, at_px, error_px });
+        searched.claims.push(Claim::SpacePoint {
+            landmark,
+            point,
+            at_px: sighting.position_px,
+            half_width_px: sighting.half_width_px,
+        });
     }
 
     /// The landmarks that a picture from a pose within a box may show, the most promising ones first.

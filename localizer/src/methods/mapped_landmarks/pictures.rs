@@ -9,6 +9,9 @@
 //! the sightings of a picture a declared number may be false ([`Quotas`]). Poses stay on which all others agree (`few_wrong`). No sighting is certain by
 //! itself; what all of them together say of the pose becomes rows of the graph of key frames (`pose_rows`).
 //!
+//! **Anywhere.** Where the pose is known vaguely or not at all, landmarks are searched in the whole picture. Much is found then that only looks like
+//! them, so that those sightings are claimed which agree on one pose (`consensus`). By them the poses of a wide box are searched (`anywhere`).
+//!
 //! **Learning.** Where few landmarks are seen, new ones are made of the picture's corners (`album`).
 
 use std::{collections::VecDeque, sync::Arc};
@@ -16,7 +19,7 @@ use std::{collections::VecDeque, sync::Arc};
 use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::{self, Assumption},
-    graph::{Stray, is_linear_over},
+    graph::Stray,
     map::SpacePoint,
     method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
     quota::{Quota, share_of},
@@ -28,6 +31,8 @@ use crate::{
 use super::{
     Learning, PointCameraModel, RECENT_S,
     album::Album,
+    anywhere::is_vague,
+    consensus::agreeing,
     few_wrong::FewWrong,
     finding::{Finder, Searched},
     lens::PictureLens,
@@ -199,16 +204,22 @@ impl Method for PicturedLandmarks {
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
         let mut pose = self.stray.around(&context.prior.hull());
-        if !is_linear_over(&pose) {
-            return None;
-        }
         let size_px = [image.width(), image.height()].map(f64::from);
         let images = self.images;
         let mut frame = Frame::new(image, &images);
         let mut search = Searched::default();
+        let is_anywhere = is_vague(&pose);
+        if is_anywhere {
+            self.finder.search_everywhere(&self.album, &mut frame, size_px, &mut search);
+            search.keep(&agreeing(&search.sights, &self.finder.optics));
+            // Sightings that are few say nothing of where the robot is, and so claim nothing.
+            if !self.by_sights(&search.sights, self.quotas.wrong_of(search.sights.len())).tells_anywhere() {
+                return None;
+            }
+        }
         // Where little is known, some landmarks tell where the others are. That matters to what is found, and not to whether it is right.
-        let is_vague = pose.width(0).max(pose.width(1)) > VAGUE_M || pose.width(2) > VAGUE_RAD;
-        if is_vague {
+        let is_rough = !is_anywhere && (pose.width(0).max(pose.width(1)) > VAGUE_M || pose.width(2) > VAGUE_RAD);
+        if is_rough {
             self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, false);
             if search.sights.len() >= FEWEST_FIRST {
                 let most_wrong = self.quotas.wrong_of(search.sights.len());
@@ -216,10 +227,12 @@ impl Method for PicturedLandmarks {
                 pose = if known.is_empty() { pose } else { known };
             }
         }
-        self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, true);
+        if !is_anywhere {
+            self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, true);
+        }
         let Searched { sights, claims, near_px } = search;
         let mut new = Vec::new();
-        let learns = self.learning != Learning::Never && self.is_new_place(&pose);
+        let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
         if learns && sights.len() < ENOUGH {
             let is_apart = |landmark: &Landmark| {
                 let [u, v] = landmark.position_px();
