@@ -8,6 +8,8 @@ mod gated_icp;
 mod gyro_at_rest;
 mod icp;
 mod least_squares;
+#[cfg(feature = "vision")]
+mod point_matching;
 pub mod pose_graph;
 mod printed_table_iv;
 mod ransac;
@@ -31,6 +33,8 @@ pub use gated_icp::GatedIcp;
 pub use gyro_at_rest::GyroAtRest;
 pub use icp::closest_points;
 pub use least_squares::least_squares;
+#[cfg(feature = "vision")]
+pub use point_matching::{MatchedPicture, PointMatching};
 pub use printed_table_iv::printed_table_iv;
 pub use ransac::{RansacMap, ransac};
 pub use slip_decision::SlipDecision;

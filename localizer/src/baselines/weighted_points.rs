@@ -21,7 +21,7 @@ pub const SQUARED_GATE_OF_POSE: f64 = 16.27;
 
 /// Standard deviation of a value per half-width of its bounds, 1/√3: only the bounds are known, and all values between them are taken as equally
 /// likely.
-const DEVIATION_OF_BOUND: f64 = 0.577_350_269_189_625_8;
+pub(super) const DEVIATION_OF_BOUND: f64 = 0.577_350_269_189_625_8;
 /// Greatest number of Gauss-Newton steps.
 const MOST_STEPS: usize = 20;
 /// Gauss-Newton steps end when every component of a step is smaller than this, in metres and radians.
@@ -123,6 +123,17 @@ impl WeightedPose {
         let off = Vector3::from_fn(|axis, _| here[axis] - there[axis]);
         let inverse = (self.covariance + other.covariance).try_inverse();
         inverse.is_some_and(|inverse| off.dot(&(inverse * off)) <= SQUARED_GATE_OF_POSE)
+    }
+
+    /// The mean of this pose and another, estimated independently, weighted by their covariances; this pose alone where both are known exactly. It is
+    /// the measurement update of R. Kalman, "A new approach to linear filtering and prediction problems", Journal of Basic Engineering 82 (1960).
+    pub fn with(&self, other: &WeightedPose) -> Self {
+        let Some(inverse) = (self.covariance + other.covariance).try_inverse() else { return *self };
+        let gain = self.covariance * inverse;
+        let (here, there) = (self.pose.to_array(), other.pose.to_array());
+        let shift = gain * Vector3::from_fn(|axis, _| there[axis] - here[axis]);
+        let [x_m, y_m, heading_rad] = [0, 1, 2].map(|axis| here[axis] + shift[axis]);
+        WeightedPose { pose: Pose { x_m, y_m, heading_rad }, covariance: self.covariance - gain * self.covariance }
     }
 
     /// The same pose with its heading shifted by whole turns to be nearest to `heading_rad`: headings are on the real line (not wrapped).

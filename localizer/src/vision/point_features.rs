@@ -25,6 +25,7 @@ mod search;
 mod correlation;
 mod landmark;
 mod frame;
+mod matching;
 
 #[cfg(test)]
 mod synthetic;
@@ -39,4 +40,5 @@ pub use descriptor::Descriptor;
 pub use frame::Frame;
 pub use keypoint::Keypoint;
 pub use landmark::{Landmark, Record};
+pub use matching::PointMatch;
 pub use search::{Refusal, Search, Sighting};

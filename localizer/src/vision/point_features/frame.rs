@@ -20,7 +20,7 @@ use super::smoothing::{self, COARSE_VARIANCE_PX2, FINE_VARIANCE_PX2};
 /// Greatest number of keypoints of an image.
 const MOST_KEYPOINTS: usize = 1000;
 /// Ratio of the scales at which keypoints are described. A descriptor tolerates about a fifth.
-const LEVEL: f64 = 1.2;
+pub(super) const LEVEL: f64 = 1.2;
 /// Step between the turns at which keypoints are described where the search knows the turn. A descriptor tolerates about a tenth of a radian.
 const TURN_RAD: f64 = 0.2;
 /// Greatest width of the interval of turns within which the turns of a search are tried; where less is known, each keypoint is described along the
@@ -64,15 +64,15 @@ pub struct Frame<'a> {
 }
 
 /// Direction of a keypoint and the descriptor that is turned by it.
-type Described = (f64, Descriptor);
+pub(super) type Described = (f64, Descriptor);
 
 /// How a descriptor is laid over an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Posture {
+pub(super) struct Posture {
     /// Scale, as a power of [`LEVEL`].
-    level: i32,
+    pub(super) level: i32,
     /// Turn against the image's own axes in steps of [`TURN_RAD`]; `None` for the direction to the centroid of the surroundings.
-    turn: Option<i32>,
+    pub(super) turn: Option<i32>,
 }
 
 /// A keypoint that may show a landmark.
@@ -286,7 +286,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Direction and descriptor of a keypoint in a posture; `None` near the border.
-    fn described(&mut self, keypoint_idx: usize, posture: Posture) -> Option<Described> {
+    pub(super) fn described(&mut self, keypoint_idx: usize, posture: Posture) -> Option<Described> {
         let n_keypoints = self.keypoints.len();
         let known = self.described.entry(posture).or_insert_with(|| vec![None; n_keypoints]);
         *known[keypoint_idx].get_or_insert_with(|| {
