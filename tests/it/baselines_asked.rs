@@ -79,9 +79,12 @@ fn a_method_that_the_scene_expects_something_of_runs_unasked() {
     assert_eq!(code, 0, "{stderr}");
     assert!(compared(&folder).contains("ransac"));
     let scene = |expect: &str| Scene::parse(&blind_scene(1.0, expect), "scene.toml").unwrap();
-    for asks in
-        ["[expect.metrics]\nvanishing_point_share_min = 0.1\n", "[expect.metrics]\nnearest_marker_misread = 0\n"]
-    {
+    for asks in [
+        "[expect.metrics]\nvanishing_point_share_min = 0.1\n",
+        "[expect.metrics]\nnearest_marker_misread = 0\n",
+        "[expect.metrics]\npoint_matches_fix_share_min = 0.1\n",
+        "[expect.baselines.point_matching.error.x_m]\nrmse_max = 0.1\n",
+    ] {
         assert!(scene(asks).expect.needs_baselines(), "{asks}");
     }
     for asks_not in ["[expect]\nunsound = 0\n", "[expect.baselines.odometry.error.x_m]\nrmse_max = 9\n"] {

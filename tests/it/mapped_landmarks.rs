@@ -155,18 +155,25 @@ fn a_map_of_landmarks_in_pictures_guides_a_robot_that_has_nothing_but_a_camera_t
         outcome(&mut wherein(&place, &[&arguments[..], more].concat()))
     };
     // The scene expects that the truth is in the box at every step.
-    let (code, told, errors) = repeat("by_map", &[]);
+    let (code, told, errors) = repeat("by_map", &["--baselines"]);
     assert_eq!(code, 0, "{told}{errors}");
-    let counts = summary(&place, "by_map/room_repeat/7")["methods"]["mapped_landmarks"].clone();
+    let summary = summary(&place, "by_map/room_repeat/7");
+    let counts = summary["methods"]["mapped_landmarks"].clone();
     let count = |key: &str| counts[key].as_f64().unwrap();
     assert!(count("claims") > 3.0 * count("readings"), "{counts}");
     assert!(count("false_claims") <= 0.05 * count("claims"), "{counts}");
+    // Point matching sees the same pictures and the same map. Its start is off by up to 0.1 m along x and along y.
+    let (metrics, error) = (&summary["metrics"], &summary["baselines"]["point_matching"]["error"]["position_m"]);
+    let metric = |key: &str| metrics[key].as_f64().unwrap();
+    assert!(metric("point_matches_mean") > 5.0 && metric("point_matches_fix_share") > 0.3, "{metrics}");
+    assert!(metric("point_matches_agreeing_wrong_share") < 0.1, "{metrics}");
+    assert!(error["mean"].as_f64().unwrap() < 0.05 && told.contains("point_matching"), "{error}\n{told}");
     // Put down anywhere and told nothing but the map. From most places a robot sees too little of what the short drive has taught; from this one enough.
     write_scene(&place, "room_anywhere", 0.6);
     let arguments = ["repeat", "room_anywhere.toml", "--map", "map.json", "--seed", "19", "--out", "anywhere"];
     let (code, told, errors) = outcome(&mut wherein(&place, &arguments));
     assert_eq!(code, 0, "{told}{errors}");
-    let found = summary(&place, "anywhere/room_anywhere/19");
+    let found = self::summary(&place, "anywhere/room_anywhere/19");
     assert_eq!(found["containment"]["contained"], found["containment"]["checks"], "{found:#}");
     assert!(found["width"]["heading_rad"]["mean"].as_f64().unwrap() < 1.5, "{}", found["width"]);
     // What no picture of this method can be, and maps of another kind of camera.

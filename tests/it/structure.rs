@@ -8,7 +8,7 @@ use std::{
 use localizer::{baselines::SOLVERS, bounds};
 use serde_json::Value;
 use sim::{
-    run::{BASELINES, ForwardBaselines, MarkerBaselines},
+    run::{BASELINES, ForwardBaselines, LandmarkBaselines, MarkerBaselines},
     scene::schema_text,
 };
 
@@ -104,7 +104,8 @@ fn the_judge_names_no_method_and_no_baseline() {
     let methods = schema["$defs"]["MethodName"]["oneOf"].as_array().unwrap().iter();
     let methods: Vec<&str> = methods.map(|method| method["const"].as_str().unwrap()).collect();
     assert!(methods.len() >= 5 && methods.contains(&"floor_tiles"), "{methods:?}");
-    let figures = MarkerBaselines::FIGURES.into_iter().chain(ForwardBaselines::FIGURES);
+    let figures = [MarkerBaselines::FIGURES, ForwardBaselines::FIGURES, LandmarkBaselines::FIGURES];
+    let figures = figures.into_iter().flatten();
     let baselines = BASELINES.into_iter().chain(SOLVERS.map(|(name, _)| name)).chain(figures);
     let names: Vec<String> = methods.into_iter().chain(baselines).map(|name| name.replace('_', "")).collect();
     walk(&root().join("sim/src/judge"), &mut |path, text| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use crate::{
-    run::{ForwardBaselines, MarkerBaselines, needs_baselines},
+    run::{ForwardBaselines, LandmarkBaselines, MarkerBaselines, needs_baselines},
     scene::{Expect, conform::nearest},
 };
 
@@ -72,7 +72,8 @@ const OF_THE_RUN: [&str; 41] = [
 
 /// Names of all figures that a summary's table `metrics` may hold; a run has those of the things that it measures.
 pub fn metric_names() -> impl Iterator<Item = &'static str> {
-    OF_THE_RUN.into_iter().chain(MarkerBaselines::FIGURES).chain(ForwardBaselines::FIGURES)
+    let of_baselines = [MarkerBaselines::FIGURES, ForwardBaselines::FIGURES, LandmarkBaselines::FIGURES];
+    OF_THE_RUN.into_iter().chain(of_baselines.into_iter().flatten())
 }
 
 /// Beginnings of the names of figures that only a localizer can have which states boxes.

@@ -179,6 +179,7 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
     metrics.extend(headings::metrics(record, judged));
+    metrics.extend(space_points::metrics(scene, record));
     metrics
 }
 

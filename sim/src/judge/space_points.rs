@@ -1,9 +1,23 @@
-//! Decides whether a point in space is where a method claims to have seen it.
+//! Decides whether a point in space is where a method claims to have seen it, or where a baseline matched it.
+
+use std::collections::BTreeMap;
 
 use localizer::map::SpacePoint;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::{devices::camera::world_from_camera, optics::Lens, scene::Scene, truth::Truth, world::Drawn};
+use crate::{
+    devices::camera::world_from_camera,
+    optics::Lens,
+    run::{LandmarkBaselines, RunRecord},
+    scene::Scene,
+    truth::Truth,
+    world::Drawn,
+};
+
+use super::share;
+
+/// Half width, along u and along v, within which a matched corner shows some point of its landmark's box: corners are found again to a pixel or two.
+const CORNER_PX: [f64; 2] = [3.0; 2];
 
 /// Rounding errors that are allowed for, in the unit of the numbers that describe a landmark.
 const ROUNDING: f64 = 1e-9;
@@ -53,6 +67,33 @@ pub(super) fn is_seen(
         halves.push(Half { slopes: -along, least: -value.hi() });
     }
     Some(have_common_point(&halves))
+}
+
+/// Figures of landmarks that a baseline matched with corners of pictures; empty for a run without such a picture.
+pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
+    let pictures = &record.landmark_baselines.pictures;
+    if pictures.is_empty() {
+        return BTreeMap::new();
+    }
+    // Of all matches and of those that agree with the pose of their picture: how many there are, and how many of them are wrong.
+    let (mut n_matches, mut n_wrong) = ([0; 2], [0; 2]);
+    for (picture, truth) in pictures {
+        for (point, at_px, agrees) in &picture.matches {
+            let is_wrong = is_seen(point, *at_px, CORNER_PX, scene, &record.drawn, truth) == Some(false);
+            for kind in 0..=usize::from(*agrees) {
+                n_matches[kind] += 1;
+                n_wrong[kind] += usize::from(is_wrong);
+            }
+        }
+    }
+    let n_fixes = pictures.iter().filter(|(picture, _)| picture.is_localized).count();
+    let figures = [
+        n_matches[0] as f64 / pictures.len() as f64,
+        share(n_fixes, pictures.len()),
+        share(n_wrong[0], n_matches[0]),
+        share(n_wrong[1], n_matches[1]),
+    ];
+    LandmarkBaselines::FIGURES.into_iter().map(str::to_owned).zip(figures).collect()
 }
 
 /// Whether some half-spaces that together are bounded have a point in common.

@@ -2,13 +2,13 @@
 
 use localizer::Pose;
 
-use super::{Answers, ForwardBaselines, MarkerBaselines, RunRecord};
+use super::{Answers, ForwardBaselines, LandmarkBaselines, MarkerBaselines, RunRecord};
 
 /// Name of wheel odometry alone.
 const ODOMETRY: &str = "odometry";
 
 /// Names of all methods to compare with, but for the interval solvers of [`SOLVERS`](localizer::baselines::SOLVERS).
-pub const BASELINES: [&str; 13] = [
+pub const BASELINES: [&str; 14] = [
     ODOMETRY,
     super::motion_baselines::WHEELS_AND_GYRO,
     super::motion_baselines::SLIP_DECISION,
@@ -22,12 +22,13 @@ pub const BASELINES: [&str; 13] = [
     super::range_baselines::TABLE_IV_PRINTED,
     super::marker_baselines::NEAREST_MARKER,
     super::marker_baselines::VERTICAL_KNOWN,
+    super::landmark_baselines::POINT_MATCHING,
 ];
 
 /// Whether a run measures this figure of its summary only when the methods to compare with are run, too.
 pub fn needs_baselines(figure: &str) -> bool {
-    let of_metrics =
-        |name: &str| MarkerBaselines::FIGURES.iter().chain(&ForwardBaselines::FIGURES).any(|one| *one == name);
+    let of_metrics = [MarkerBaselines::FIGURES, ForwardBaselines::FIGURES, LandmarkBaselines::FIGURES];
+    let of_metrics = |name: &str| of_metrics.iter().flatten().any(|one| *one == name);
     match figure.split_once('.') {
         Some(("baselines", rest)) => rest.split('.').next() != Some(ODOMETRY),
         Some(("metrics", name)) => of_metrics(name),
@@ -63,6 +64,8 @@ impl RunRecord {
         let motion = self.motion_baselines.poses.iter().map(|(name, poses)| (*name, poses));
         let mut all: Vec<BaselineAnswers<'_>> =
             std::iter::once((ODOMETRY, &self.odometry)).chain(motion).map(of_steps).collect();
+        let matching = Some(&self.landmark_baselines.poses).filter(|poses| !poses.is_empty());
+        all.extend(matching.map(|poses| (super::landmark_baselines::POINT_MATCHING, poses)).map(of_steps));
         all.extend(self.range_baselines.named().into_iter().map(of_steps));
         all.extend(self.marker_baselines.named().into_iter().map(|(name, fixes)| {
             let (poses, truths) = fixes.into_iter().unzip();

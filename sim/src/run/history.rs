@@ -22,7 +22,7 @@ use crate::{
     world::Drawn,
 };
 
-use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
+use super::{Clearance, ForwardBaselines, LandmarkBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
 /// Record of a run, for the judge and for the files of the run. True state and estimate are kept apart, one of each for every step of 10 ms.
 pub struct RunRecord {
@@ -87,6 +87,8 @@ pub struct RunRecord {
     pub bounds: CheckedBounds,
     /// Results of paper 2's vision chain and image features on the pictures of the forward camera.
     pub forward_baselines: ForwardBaselines,
+    /// Poses by point matching on a map of landmarks, and what its pictures were matched with, for comparison.
+    pub landmark_baselines: LandmarkBaselines,
     /// Wall-clock time that each stage of the run took.
     pub timing: Timing,
     /// SHA-256 over all readings, in the order of their arrival.
@@ -231,6 +233,7 @@ impl RunRecord {
             motion_baselines: MotionBaselines::default(),
             bounds: CheckedBounds::default(),
             forward_baselines: ForwardBaselines::default(),
+            landmark_baselines: LandmarkBaselines::default(),
             timing: Timing::default(),
             readings_digest: String::new(),
         }

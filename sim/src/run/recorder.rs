@@ -19,7 +19,10 @@ use crate::{
 };
 
 use super::range_baselines::Told;
-use super::{Clearance, FramesPolicy, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};
+use super::{
+    Clearance, FramesPolicy, ImageRecord, LandmarkBaselines, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing,
+    Witness,
+};
 
 /// Recorder of a run's history while the run happens.
 pub(super) struct Recorder<'a> {
@@ -56,6 +59,11 @@ impl<'a> Recorder<'a> {
         Recorder {
             history: RunRecord {
                 motion_baselines: MotionBaselines::new(scene, &scene.robot_model()),
+                landmark_baselines: if options.baselines {
+                    LandmarkBaselines::new(scene, &scene.start_box())
+                } else {
+                    LandmarkBaselines::default()
+                },
                 ..RunRecord::new(seed, adapter, drawn)
             },
             odometry,
@@ -80,6 +88,7 @@ impl<'a> Recorder<'a> {
         self.start_box = here.start_box();
         self.odometry = PointOdometry::new(self.start);
         self.history.range_baselines.restart();
+        self.compared(|recorder| recorder.history.landmark_baselines.restart(here, &recorder.start_box));
         self.history.restarts.push(self.history.truths.len());
         self.witness.start(self.offset_s, Some(index));
     }
@@ -112,7 +121,10 @@ impl<'a> Recorder<'a> {
     pub(super) fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(observation);
-        self.compared(|recorder| recorder.history.motion_baselines.sense(reading));
+        self.compared(|recorder| {
+            recorder.history.motion_baselines.sense(reading);
+            recorder.history.landmark_baselines.sense(reading, &observation.truth);
+        });
         self.history.bounds.note(&observation.checks, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
@@ -268,6 +280,7 @@ impl<'a> Recorder<'a> {
         self.history.odometry.push(self.odometry.pose());
         self.compared(|recorder| {
             recorder.history.motion_baselines.step(truth.time_s);
+            recorder.history.landmark_baselines.step();
             recorder.history.range_baselines.step(recorder.odometry.pose());
         });
     }
