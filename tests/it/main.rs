@@ -182,6 +182,8 @@ mod render_walkers;
 mod render_gaps;
 /// Tests of a ring light's illuminance on walls, people and lamps against the cosines at both ends of the ray.
 mod render_ring_light;
+/// Tests of scenes under the open sky: sunlight, shadows and skylight, and what is refused there.
+mod outdoors;
 /// Tests of satellite navigation: the receiver's positions, and drives that are localized by them.
 mod gnss;
 /// Tests of rendered images of rooms against images that a person has inspected.

@@ -6,6 +6,7 @@ mod cars;
 mod errands;
 mod logs;
 mod markers;
+mod outdoors;
 mod rooms;
 mod sensors;
 mod things;
@@ -37,6 +38,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     declared_widths(scene, &mut found);
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
+    outdoors::contradictions(scene, &mut found);
     cameras::contradictions(scene, &mut found);
     cars::contradictions(scene, &mut found);
     errands::contradictions(scene, &mut found);

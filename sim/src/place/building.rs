@@ -40,6 +40,8 @@ const LAYER_M: f64 = 0.001;
 pub struct Building {
     /// Rooms of the building: first the one that the robot drives in, then all others.
     pub rooms: Vec<Enclosure>,
+    /// Whether there is open sky in place of ceilings.
+    pub is_open: bool,
     /// All visible faces of the building, those of boxes such as furniture included.
     pub panels: Vec<Panel>,
     /// Number of flat faces, at the start of `panels`, that are seen in reflections in puddles. Those of door frames and window bars come after
@@ -75,6 +77,7 @@ impl Building {
         let rooms = walls::enclosures(scene);
         let mut building = Building {
             rooms,
+            is_open: scene.outdoors.is_some(),
             panels: Vec::new(),
             n_large_panels: 0,
             boxes,
@@ -83,7 +86,9 @@ impl Building {
         };
         let mut panels = walls::wall_panels(scene, &building.rooms);
         panels.extend(coverings::floor_panels(scene, &building));
-        panels.extend(walls::ceiling_panels(scene, &building.rooms));
+        if !building.is_open {
+            panels.extend(walls::ceiling_panels(scene, &building.rooms));
+        }
         panels.extend(doorways::panels(scene, &building));
         for piece in &building.boxes {
             panels.extend(piece.panels(building.room_at(piece.middle())));

@@ -6,6 +6,7 @@
 //! candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
 
 mod ambient;
+mod daylight;
 mod floor_field;
 mod footprint;
 mod gathered;
@@ -16,20 +17,27 @@ mod parallel;
 mod people;
 mod radiosity;
 mod reflector;
+mod shadows;
+mod sky;
 mod source;
 mod switchable;
 
+pub use daylight::Daylight;
 pub use floor_field::FloorField;
 pub use lightmap::LightMap;
 pub use nodes::Patch;
 pub use occlusion::Occluders;
 pub use people::nodes_with_people;
+pub use shadows::Shadows;
 pub use source::{Shape, Source, polygon_irradiance};
 pub use switchable::{SwitchableLight, bake};
+
+use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 
 use ambient::Ambient;
+use sky::Horizon;
 
 use crate::{optics::Photons, place::building::Building, scene::Scene};
 
@@ -38,6 +46,10 @@ use crate::{optics::Photons, place::building::Building, scene::Scene};
 pub struct Lighting {
     /// Light sources of the building, none of which moves.
     pub sources: Vec<Source>,
+    /// Sun and sky of a scene outdoors.
+    pub daylight: Option<Daylight>,
+    /// What hides parts of the sky outdoors.
+    horizon: Option<Arc<Horizon>>,
     /// Furniture and walls that cast shadows.
     pub occluders: Occluders,
     /// Light that arrives by reflection anywhere in each room.
@@ -81,16 +93,22 @@ impl Lighting {
     /// The lighting by the scene's lamps alone, without reflected light and with a factor of 1 on all light.
     pub fn direct(scene: &Scene, building: &Building) -> Lighting {
         Lighting {
-            sources: source::sources(scene, building),
+            sources: if scene.outdoors.is_some() { Vec::new() } else { source::sources(scene, building) },
+            daylight: scene.outdoors.as_ref().map(Daylight::new),
+            horizon: scene.outdoors.is_some().then(|| Arc::new(Horizon::new(building))),
             occluders: Occluders::new(building),
             ambient: Ambient::default(),
             dimming: 1.0,
         }
     }
 
-    /// Direct light at a point of a surface, shadows included. Each lamp is sampled at `samples` × `samples` points.
+    /// Direct light of lamps, or of sun and sky, at a point of a surface, shadows included. Each lamp is sampled at `samples` × `samples` points.
     pub fn direct_at(&self, at: Point3<f64>, normal: Vector3<f64>, samples: usize) -> Illuminance {
         let mut sum = Illuminance::default();
+        if let (Some(daylight), Some(horizon)) = (&self.daylight, &self.horizon) {
+            let of_sky = daylight.diffuse_horizontal.times(horizon.share(at, normal));
+            sum = daylight.direct_at(at, normal, &self.occluders).plus(1.0, of_sky);
+        }
         for source in &self.sources {
             let unshadowed = source.illuminance(at, normal);
             if unshadowed > 0.0 {

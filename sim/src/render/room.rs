@@ -32,6 +32,7 @@ mod parts;
 mod people;
 mod plate;
 mod strips;
+mod sun;
 mod walking;
 mod world;
 
@@ -89,7 +90,7 @@ impl RoomPass {
         for (index, frame) in frames.iter().enumerate() {
             slot.write_view(graphics, index, &ViewOnDevice::new(seen_by, frame, world, turned_up));
         }
-        let how = Use::of(lens);
+        let how = Use::of(lens, world.lighting.daylight.is_some());
         let eyes: Vec<_> = frames.iter().map(|frame| frame.world_from_camera.translation.vector.into()).collect();
         let middle = &frames[frames.len() / 2].world_from_camera;
         let frustum = Frustum::new(&frames, lens.focal_px, seen_by.plate_size_px, seen_by.plate_centre_px);
@@ -112,7 +113,8 @@ impl RoomPass {
         let walked = world.lit_while_they_walk(graphics, &self.pipelines, &frames, how.band());
         for index in 0..frames.len() {
             let lit = walked.get(run_of(index, frames.len(), walked.len())).unwrap_or(world.bindings(how.band()));
-            self.draw_faces(encoder, (world, lit, &people), (&drawing.runs, slot, &seen_by.plate), &how, index);
+            let behind = behind(world, how.band(), turned_up);
+            self.draw_faces(encoder, (world, lit, &people), (&drawing.runs, slot, &seen_by.plate, behind), &how, index);
             encoder.copy_texture_to_texture(
                 seen_by.plate.texture().as_image_copy(),
                 slot.plate(index),
@@ -148,7 +150,7 @@ impl RoomPass {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (world, lit, people): (&RoomWorld, &wgpu::BindGroup, &[usize]),
-        (runs, slot, plate): (&[Run], &RoomSlot, &wgpu::TextureView),
+        (runs, slot, plate, behind): (&[Run], &RoomSlot, &wgpu::TextureView, wgpu::Color),
         how: &Use,
         index: usize,
     ) {
@@ -158,7 +160,7 @@ impl RoomPass {
                 view: plate,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(NOTHING), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(behind), store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &slot.depth,
@@ -238,6 +240,14 @@ impl RoomPass {
             pass.draw(0..4, 0..world.disc_count);
         }
     }
+}
+
+/// What is seen where no face is: the sky, or nothing.
+fn behind(world: &RoomWorld, band: usize, turned_up: f64) -> wgpu::Color {
+    if world.lighting.daylight.is_none() {
+        return NOTHING;
+    }
+    wgpu::Color { r: turned_up * world.lighting.dimming * world.sky_luminance(band), ..NOTHING }
 }
 
 /// Pose and twist of the camera in a sub-frame (an instant of the exposure), in the form that view.wgsl reads.

@@ -9,7 +9,7 @@ use super::FurtherRoom;
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Building {
-    /// Height of every ceiling above the floor.
+    /// Height of every ceiling above the floor; with `[outdoors]`, where there is none, of the walls.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub ceiling_height_m: f64,
     /// Albedo of the walls.
@@ -42,6 +42,9 @@ pub struct Building {
     /// Pictures on walls.
     #[serde(rename = "picture")]
     pub pictures: Vec<Picture>,
+    /// Facades: stretches of wall of brick, with windows and doors.
+    #[serde(rename = "facade", skip_serializing_if = "Vec::is_empty")]
+    pub facades: Vec<Facade>,
     /// Round retro-reflective dots, which send the light of a lamp at a camera's lens back to that camera.
     #[serde(rename = "dot")]
     pub dots: Vec<Dot>,
@@ -95,6 +98,25 @@ pub struct Picture {
     pub chessboard: Option<[u32; 2]>,
 }
 
+/// A facade along a stretch of wall, over the wall's whole height: bricks of uneven brightness, rows of windows, and doors at the ground. Its two ends
+/// are points at the foot of the wall.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Facade {
+    /// World x and y of the foot of one end of the facade.
+    pub from_m: [f64; 2],
+    /// World x and y of the foot of the other end of the facade.
+    pub to_m: [f64; 2],
+    /// Number of the facade: each number gives other bricks, windows, doors and stains.
+    #[serde(default)]
+    #[schemars(range(min = 0, max = 1000000))]
+    pub number: u32,
+    /// Mean albedo of the facade.
+    #[serde(default = "default_facade_albedo")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub albedo: f64,
+}
+
 /// A round retro-reflective dot that faces down from the ceiling.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -132,6 +154,8 @@ pub enum Covering {
     Carpet,
     /// A film of water over the floor, which mirrors.
     Wet,
+    /// Asphalt with stones, spots, patches and cracks.
+    Asphalt,
 }
 
 impl Default for Building {
@@ -147,6 +171,7 @@ impl Default for Building {
             rooms: Vec::new(),
             doors: Vec::new(),
             pictures: Vec::new(),
+            facades: Vec::new(),
             dots: Vec::new(),
         }
     }
@@ -166,6 +191,10 @@ fn default_picture_bottom_m() -> f64 {
 
 fn default_picture_height_m() -> f64 {
     0.6
+}
+
+fn default_facade_albedo() -> f64 {
+    0.35
 }
 
 fn default_dot_radius_m() -> f64 {

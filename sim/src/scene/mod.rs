@@ -28,6 +28,7 @@ mod markers;
 pub(crate) mod moved;
 mod navigation;
 mod occupancy_grid;
+mod outdoors;
 mod plan;
 pub(crate) mod problem;
 mod robot;
@@ -45,7 +46,7 @@ mod wall_ranges;
 pub(crate) use base::with_every_base;
 pub use base::{Ackermann, Base, BaseKind, Differential};
 pub use bounds::Bounds;
-pub use building::{Building, Covering, Door, Dot, Picture};
+pub use building::{Building, Covering, Door, Dot, Facade, Picture};
 pub use careful::BoundsFrom;
 pub use devices::*;
 pub use error::SceneError;
@@ -66,6 +67,7 @@ pub(crate) use markers::UNDER_CEILING_M;
 pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation};
 pub use occupancy_grid::{Cell, OccupancyGrid};
+pub use outdoors::{Outdoors, Sky};
 pub(crate) use plan::Plan;
 pub use robot::{Distribution, Robot, RobotPreset};
 pub use route::{Route, Spread, Start, Station, Waypoint};
@@ -101,6 +103,9 @@ pub struct Scene {
     /// Brightness of the light, and how evenly it falls on the floor.
     #[serde(default)]
     pub light: Light,
+    /// Open sky in place of ceilings and lamps, if the scene has this table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outdoors: Option<Outdoors>,
     /// Everything around and above the floor that cameras looking ahead or up can see: ceilings, walls, doors, pictures, further rooms.
     #[serde(default)]
     pub building: Building,

@@ -71,6 +71,9 @@ impl Scene {
         for door in &mut self.building.doors {
             (door.from_m, door.to_m) = (plan.stands(door.from_m), plan.stands(door.to_m));
         }
+        for facade in &mut self.building.facades {
+            (facade.from_m, facade.to_m) = (plan.stands(facade.from_m), plan.stands(facade.to_m));
+        }
         for picture in &mut self.building.pictures {
             (picture.from_m, picture.to_m) = (plan.stands(picture.from_m), plan.stands(picture.to_m));
         }

@@ -179,7 +179,8 @@ pub(super) fn switched_lamps(scene: &Scene, time_s: f64) -> Vec<String> {
 }
 
 /// Mean illuminance at the floor at a given time, after the light events until then; or at the camera, where the scene states that instead. With the
-/// place at which it is measured; `None` as long as it follows from the outputs that all lamps state.
+/// place at which it is measured; `None` as long as it follows from the outputs that all lamps state, or from
+/// sun and sky.
 pub(super) fn illuminance_lux(scene: &Scene, time_s: f64) -> Option<(f64, &'static str)> {
     let switched = scene.events.iter().filter_map(|event| match event {
         Event::Light { at_s, illuminance_at_floor_lux } if *at_s <= time_s => Some((*at_s, *illuminance_at_floor_lux)),
@@ -189,7 +190,7 @@ pub(super) fn illuminance_lux(scene: &Scene, time_s: f64) -> Option<(f64, &'stat
     match (latest, scene.light.illuminance_at_camera_lux) {
         (Some((_, lux)), _) => Some((lux, "floor")),
         (None, Some(lux)) => Some((lux, "camera")),
-        (None, None) if scene.lamps_state_outputs() => None,
+        (None, None) if scene.lamps_state_outputs() || scene.outdoors.is_some() => None,
         (None, None) => Some((scene.light.illuminance_at_floor_lux, "floor")),
     }
 }

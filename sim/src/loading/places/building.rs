@@ -168,13 +168,13 @@ fn off_m<'a>(walls: impl Iterator<Item = &'a Side>, [x_m, y_m]: [f64; 2]) -> f64
     walls.map(to_wall).fold(f64::INFINITY, f64::min)
 }
 
-fn is_off(walls: &[Side], at_m: [f64; 2]) -> bool {
+pub(super) fn is_off(walls: &[Side], at_m: [f64; 2]) -> bool {
     off_m(walls.iter(), at_m) > ON_WALL_M
 }
 
 /// Describes what is wrong with a place that is off the walls. If the place is on the side of a room, within another room, the text says why there is
 /// no wall.
-fn off_walls(does: &str, rooms: &[Enclosure], at_m: [f64; 2]) -> String {
+pub(super) fn off_walls(does: &str, rooms: &[Enclosure], at_m: [f64; 2]) -> String {
     let sides: Vec<Side> = rooms.iter().flat_map(Enclosure::sides).collect();
     let within = if is_off(&sides, at_m) { "" } else { ": within another room a room has none" };
     format!("{does} on no wall{within}, expected a place within {ON_WALL_M} m of one")

@@ -69,6 +69,7 @@ fn material(covering: Covering, seed: u32) -> Material {
         Covering::Concrete => matt(0.4, Texture::Concrete).glossy(0.03, 0.08),
         Covering::Wood => matt(0.35, Texture::Wood).glossy(0.04, 0.05),
         Covering::Carpet => matt(0.22, Texture::Carpet),
+        Covering::Asphalt => matt(0.16, Texture::Asphalt),
         // A floor that is wet as a whole is taken to be wet concrete.
         Covering::Wet => Material { seed: Texture::Concrete as u32, ..matt(0.28, Texture::Wet).glossy(0.02, 0.0) },
     }

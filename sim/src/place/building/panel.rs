@@ -76,11 +76,15 @@ pub enum Texture {
     /// A chessboard pattern: black and white squares within a white margin as wide as one square. The `seed` of the material encodes how many
     /// columns and rows it has.
     Chessboard,
+    /// Bricks of uneven brightness with windows, doors and stains.
+    Facade,
+    /// Asphalt with stones, spots, patches and cracks.
+    Asphalt,
 }
 
 impl Texture {
     /// Number of textures.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 11;
 }
 
 impl Material {

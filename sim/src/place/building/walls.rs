@@ -1,5 +1,7 @@
 //! Rooms and their walls. A wall is left out where another room is, and has an opening where a door stands open.
 
+mod facades;
+
 use std::{f64::consts::FRAC_PI_2, sync::Arc};
 
 use nalgebra::{Point3, Vector2, Vector3, vector};
@@ -13,6 +15,9 @@ use crate::scene::{Door, RoomShape, Scene};
 
 /// Greatest distance on the floor plan between a door and a wall at which the door still counts as a door in that wall.
 pub(super) const DOOR_TO_WALL_M: f64 = 0.15;
+
+/// Depth to which walls outdoors reach into the ground.
+const FOOT_M: f64 = 0.02;
 
 /// A room.
 #[derive(Clone, Debug, PartialEq)]
@@ -211,6 +216,8 @@ fn around(outline: Polygon, height_m: f64) -> Enclosure {
 
 /// Flat faces (panels) of the building's geometry for the walls of all rooms, with their skirting boards.
 pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
+    // Outdoors walls reach into the ground: through the gap to a ground that is drawn in a lower layer the sky would be seen.
+    let foot_m = if scene.outdoors.is_some() { -FOOT_M } else { 0.0 };
     let mut panels = Vec::new();
     for (index, room) in rooms.iter().enumerate() {
         for side in room.sides() {
@@ -227,7 +234,14 @@ pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
             }
             gaps.extend(doors.iter().map(|(_, shares)| *shares));
             for shares in remaining(gaps) {
-                panels.extend(face(scene, &side, shares, [0.0, room.height_m], index));
+                for (facade, shares) in facades::cut(scene, &side, shares) {
+                    match facade {
+                        None => panels.extend(face(scene, &side, shares, [foot_m, room.height_m], index)),
+                        Some(facade) => {
+                            panels.push(facades::panel(facade, &side, shares, [foot_m, room.height_m], index))
+                        }
+                    }
+                }
             }
         }
     }
@@ -346,5 +360,8 @@ fn face(scene: &Scene, side: &Side, shares: [f64; 2], between_m: [f64; 2], room:
         return vec![strip(between_m[0], between_m[1], paint)];
     }
     let skirting = Material::matt(building.skirting_albedo).glossy(0.03, 0.1);
-    vec![strip(0.0, building.skirting_height_m, skirting), strip(building.skirting_height_m, between_m[1], paint)]
+    vec![
+        strip(between_m[0], building.skirting_height_m, skirting),
+        strip(building.skirting_height_m, between_m[1], paint),
+    ]
 }

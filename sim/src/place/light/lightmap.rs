@@ -5,14 +5,15 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use nalgebra::{Point3, Vector3};
 
 use super::{
-    Illuminance, Lighting, Shape, Source,
+    Daylight, Illuminance, Lighting, Shape, Source,
     ambient::Ambient,
     gathered::Thrown,
-    nodes::{Patch, hair, nearest, nodes_of},
+    nodes::{Patch, hair, inside, nearest, nodes_of},
     occlusion::{Between, Occluders, weight},
     parallel::in_parallel,
     radiosity::Reflecting,
     reflector::Reflector,
+    sky::Horizon,
 };
 use crate::{
     place::building::{Building, Panel, Part},
@@ -24,6 +25,8 @@ const NODE_DISTANCE_M: [f64; 2] = [0.05, 0.08];
 /// Greatest number of nodes (points with a computed illuminance) of a light map; more would take seconds to compute. In a large hall the nodes
 /// are farther apart.
 const MAX_NODES: f64 = 90_000.0;
+/// Greatest number of nodes outdoors, where sites are large and the light of the map has no sharp shadows.
+const MAX_NODES_OUTDOORS: f64 = 40_000.0;
 /// Wanted distance between the nodes of a floor on which a small lamp in its room casts shadows of furniture: a bulb of 10 cm, 2.1 m up, draws the
 /// edge of a seat 0.4 m high over 24 mm.
 const FINE_NODE_DISTANCE_M: f64 = 0.0125;
@@ -83,11 +86,28 @@ impl Baking<'_> {
     }
 
     /// The light map of some of the building's lamps, and their reflected light anywhere in each room.
-    pub(super) fn light_of(&self, lamps: &[&Source]) -> (LightMap, Ambient) {
+    ///
+    /// With daylight, the map has the light of the sky and what is reflected, sunlight included, but not the direct sunlight, whose shadows the
+    /// renderer draws. The mean over the floor has all of it.
+    pub(super) fn light_of(&self, lamps: &[&Source], daylight: Option<&Daylight>) -> (LightMap, Ambient) {
         let (building, occluders, reflecting) = (self.building, self.occluders, &self.reflecting);
         let work: Vec<(&Panel, Patch)> = building.panels.iter().zip(self.patches.iter().copied()).collect();
-        let direct = in_parallel(&work, |(panel, patch)| direct_nodes(lamps, occluders, panel, *patch));
-        let of_reflector = |one: &Reflector| mean_at(one, self.patches[one.panel], &direct[one.panel]);
+        let direct = match daylight {
+            None => in_parallel(&work, |(panel, patch)| direct_nodes(lamps, occluders, panel, *patch)),
+            Some(daylight) => {
+                let horizon = Horizon::new(building);
+                in_parallel(&work, |(panel, patch)| sky_nodes(daylight, &horizon, panel, *patch))
+            }
+        };
+        let sunlight = |at: Point3<f64>, normal: Vector3<f64>| {
+            daylight.map_or_else(Illuminance::default, |daylight| daylight.direct_at(at, normal, occluders))
+        };
+        let of_reflector = |one: &Reflector| {
+            let diffuse = mean_at(one, self.patches[one.panel], &direct[one.panel]);
+            let add = |sum: Illuminance, at: &Point3<f64>| sum.plus(1.0, sunlight(*at, one.normal));
+            let sunlit = one.places.iter().fold(Illuminance::default(), add);
+            diffuse.plus(1.0 / one.places.len() as f64, sunlit)
+        };
         let first: Vec<Illuminance> = reflecting.all.iter().map(of_reflector).collect();
         let exitances = reflecting.exitances(&self.view_factors, &first);
         let thrown = Thrown { building, occluders, reflecting, exitances: &exitances };
@@ -97,12 +117,23 @@ impl Baking<'_> {
         };
         let total: Vec<Vec<Illuminance>> = direct.iter().zip(&reflected).map(sum).collect();
         let size = self.size;
-        let mut map = LightMap {
-            size,
-            nodes: vec![[0.0; 2]; size[0] * size[1]],
-            mean_at_floor: mean_over(&work, &total, |panel| panel.part == Part::Floor && panel.room == 0),
-            patches: self.patches.clone(),
-        };
+        let is_own_floor = |panel: &Panel| panel.part == Part::Floor && panel.room == 0;
+        let mut mean_at_floor = mean_over(&work, &total, is_own_floor);
+        if daylight.is_some() {
+            let on_nodes = |(panel, patch): &(&Panel, Patch)| -> Vec<Illuminance> {
+                let at = |[s, t]: [f64; 2]| {
+                    if is_own_floor(panel) {
+                        sunlight(panel.place(s, t), panel.normal())
+                    } else {
+                        Illuminance::default()
+                    }
+                };
+                nodes_of(*patch).map(at).collect()
+            };
+            mean_at_floor = mean_at_floor.plus(1.0, mean_over(&work, &in_parallel(&work, on_nodes), is_own_floor));
+        }
+        let mut map =
+            LightMap { size, nodes: vec![[0.0; 2]; size[0] * size[1]], mean_at_floor, patches: self.patches.clone() };
         for (patch, nodes) in map.patches.iter().zip(&total) {
             for (index, light) in nodes.iter().enumerate() {
                 let (i, j) = (index % patch.count[0], index / patch.count[0]);
@@ -116,6 +147,9 @@ impl Baking<'_> {
 /// The factor on all lamps that yields the illuminance which the scene states at the camera or on the floor; 1 if the scene states how strong
 /// each lamp is.
 pub(super) fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floor_lux: f64) -> f64 {
+    if lighting.daylight.is_some() {
+        return 1.0;
+    }
     let ratio = |wanted: f64, given: f64| if given > 0.0 { wanted / given } else { 0.0 };
     if let (Some(wanted_lux), Some(camera)) = (scene.light.illuminance_at_camera_lux, &scene.robot.forward_camera) {
         let start = scene.nominal_start();
@@ -148,7 +182,8 @@ fn finely_shadowed(building: &Building, lamps: &[Source], occluders: &Occluders)
 fn layout(building: &Building, fine: &[bool]) -> ([usize; 2], Vec<Patch>) {
     let usual_m = |panel: &Panel| NODE_DISTANCE_M[usize::from(panel.part != Part::Floor)];
     let wanted: f64 = building.panels.iter().map(|panel| panel.area_m2() / usual_m(panel).powi(2)).sum();
-    let stretch = (wanted / MAX_NODES).sqrt().max(1.0);
+    let most = if building.is_open { MAX_NODES_OUTDOORS } else { MAX_NODES };
+    let stretch = (wanted / most).sqrt().max(1.0);
     let fine_m2: f64 =
         building.panels.iter().zip(fine).filter(|(_, fine)| **fine).map(|(panel, _)| panel.area_m2()).sum();
     let fine_m = FINE_NODE_DISTANCE_M.max((fine_m2 / MAX_FINE_NODES).sqrt());
@@ -177,6 +212,16 @@ fn layout(building: &Building, fine: &[bool]) -> ([usize; 2], Vec<Patch>) {
         column += count[0];
     }
     ([WIDTH, (row + row_height).max(1)], patches)
+}
+
+/// Light of the sky at every light-map node of a flat face.
+fn sky_nodes(daylight: &Daylight, horizon: &Horizon, panel: &Panel, patch: Patch) -> Vec<Illuminance> {
+    let normal = panel.normal();
+    let at = |shares: [f64; 2]| {
+        let [s, t] = inside(panel, shares);
+        daylight.diffuse_horizontal.times(horizon.share(panel.place(s, t), normal))
+    };
+    nodes_of(patch).map(at).collect()
 }
 
 /// Direct light, shadows included, at every light-map node of a flat face.

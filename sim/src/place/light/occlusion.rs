@@ -52,9 +52,10 @@ impl Between<'_> {
 
 impl Occluders {
     /// The things that block light in a building: its upright boxes, and its walls if it has several rooms, so that no light passes through walls
-    /// from room to room.
+    /// from room to room, or if it is open to the sun.
     pub fn new(building: &Building) -> Occluders {
-        let walls = if building.rooms.len() > 1 { building.walls().cloned().collect() } else { Vec::new() };
+        let walls =
+            if building.rooms.len() > 1 || building.is_open { building.walls().cloned().collect() } else { Vec::new() };
         let boxes = building.boxes.iter().map(BoxFrame::of).collect();
         Occluders { boxes, walls, rooms: building.rooms.clone() }
     }

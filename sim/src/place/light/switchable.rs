@@ -40,7 +40,7 @@ impl SwitchableLight {
         let of_group = |group: usize| {
             let sources: Vec<usize> = (0..lighting.sources.len()).filter(|source| group_of(*source) == group).collect();
             let lamps: Vec<_> = sources.iter().map(|source| &lighting.sources[*source]).collect();
-            let (map, ambient) = baking.light_of(&lamps);
+            let (map, ambient) = baking.light_of(&lamps, lighting.daylight.as_ref());
             Group { sources, map, ambient }
         };
         let groups: Vec<Group> = (0..=names.len()).map(of_group).collect();

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     place::{
-        building::Building,
-        light::{Lighting, Patch, Shape, Source},
+        building::{Building, Panel},
+        light::{Lighting, Patch, Shadows, Shape, Source},
     },
     scene::Pattern,
 };
@@ -79,19 +79,19 @@ pub(super) struct GridOnDevice {
 }
 
 /// All flat faces (panels) of a building in the device's form, with their albedo in one band (visible or infrared).
-pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> Vec<SurfaceOnDevice> {
+pub(super) fn surfaces(building: &Building, patches: &[Patch], shadows: &Shadows, band: usize) -> Vec<SurfaceOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
-    let surface = |(panel, patch): (&crate::place::building::Panel, &Patch)| {
+    let surface = |((panel, patch), sunlight): ((&Panel, &Patch), &u32)| {
         let [along_m, up_m] = panel.size_m();
         SurfaceOnDevice {
             corner: with(panel.corner.coords, panel.material.albedo[band]),
             along: with(panel.along, panel.material.mirrored),
             up: with(panel.up, panel.material.roughness_rad),
             nodes: [patch.first[0], patch.first[1], patch.count[0] - 1, patch.count[1] - 1].map(|number| number as f32),
-            size: [along_m as f32, up_m as f32, panel.material.seed as f32, 0.0],
+            size: [along_m as f32, up_m as f32, panel.material.seed as f32, *sunlight as f32],
         }
     };
-    building.panels.iter().zip(patches).map(surface).collect()
+    building.panels.iter().zip(patches).zip(&shadows.faces).map(surface).collect()
 }
 
 /// All flat faces (panels) of a building cut into blocks, and the blocks into cells.

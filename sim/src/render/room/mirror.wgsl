@@ -45,7 +45,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, rang
 fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
     let from_place = face.world + face.normal * 0.002;
     var nearest = FAR_M;
-    var seen = 0.0;
+    var seen = select(0.0, view.sky, SKY);
     for (var index = 0u; index < face.counts.w; index++) {
         let surface = surfaces[index];
         let normal = cross(surface.along.xyz, surface.up.xyz);
@@ -60,7 +60,13 @@ fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
         if (towards < 0.0 && inside && distance > 0.0 && distance < nearest) {
             nearest = distance;
             let node = (surface.nodes.xy + surface.nodes.zw * share + 0.5) / vec2<f32>(textureDimensions(light_map));
-            seen = surface.corner.w * textureSampleLevel(light_map, between_nodes, node, 0.0).x * face.eye.w;
+            var lux = textureSampleLevel(light_map, between_nodes, node, 0.0).x;
+            if (SKY) {
+                let fine = vec2(0.01, 0.0);
+                lux += sunlit(share * surface.size.xy, fine, fine.yx, u32(surface.size.w)) * sun.towards.w
+                    * dot(normalize(normal), sun.towards.xyz);
+            }
+            seen = surface.corner.w * lux * face.eye.w;
         }
     }
     let lamp_light = face.lamplight.w * lamps_along(from_place, direction, 0.002, face.counts.xyz, nearest);

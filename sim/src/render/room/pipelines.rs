@@ -16,6 +16,7 @@ const SURFACE_SHADER: &str = concat!(
     include_str!("../row.wgsl"),
     include_str!("view.wgsl"),
     include_str!("world.wgsl"),
+    include_str!("sun.wgsl"),
     include_str!("texture.wgsl"),
     include_str!("mirror.wgsl"),
     include_str!("surface.wgsl")
@@ -24,6 +25,7 @@ const THING_SHADER: &str = concat!(
     include_str!("../row.wgsl"),
     include_str!("view.wgsl"),
     include_str!("world.wgsl"),
+    include_str!("sun.wgsl"),
     include_str!("lamp.wgsl"),
     include_str!("disc.wgsl"),
     include_str!("body.wgsl"),
@@ -65,11 +67,14 @@ pub(super) struct Use {
     rolling: bool,
     ring: bool,
     infrared: bool,
+    sky: bool,
 }
 
 impl Use {
-    pub(super) fn of(lens: &Lens) -> Use {
-        Use { rolling: lens.row_time_s > 0.0, ring: lens.ring_candela > 0.0, infrared: lens.band == Band::Infrared }
+    /// The properties of a camera, and whether it looks at a place under the sky.
+    pub(super) fn of(lens: &Lens, sky: bool) -> Use {
+        let infrared = lens.band == Band::Infrared;
+        Use { rolling: lens.row_time_s > 0.0, ring: lens.ring_candela > 0.0, infrared, sky }
     }
 
     /// Whether the camera reads its rows one after another.
@@ -120,7 +125,16 @@ impl Pipelines {
         let view_layout = layout("room view", &[uniform(0), stored(1, true)]);
         let world_layout = layout(
             "room world",
-            &[stored(0, false), constant(1), constant(2), stored(3, false), texture(4, flat), sampler(5)],
+            &[
+                stored(0, false),
+                constant(1),
+                constant(2),
+                stored(3, false),
+                texture(4, flat),
+                sampler(5),
+                stored(6, false),
+                constant(7),
+            ],
         );
         let stepped_layout = layout("stepped", &[texture(0, flat)]);
         let mean_layout = layout("plates", &[stored(0, false), texture(1, layered)]);
@@ -190,11 +204,11 @@ impl Pipelines {
 
     fn make(&self, device: &wgpu::Device, drawn: Drawn, how: &Use) -> wgpu::RenderPipeline {
         let flag = |on: bool| f64::from(u8::from(on));
-        let view = [("ROLLING", flag(how.rolling)), ("RING", flag(how.ring)), ("BAND", flag(how.infrared))];
+        let view = [("ROLLING", flag(how.rolling)), ("RING", flag(how.ring)), ("SKY", flag(how.sky))];
         let used = |names: &[&str]| view.iter().filter(|(name, _)| names.contains(name)).copied().collect::<Vec<_>>();
         match drawn {
             Drawn::Surface(kind) => {
-                let mut constants = used(&["ROLLING", "RING"]);
+                let mut constants = used(&["ROLLING", "RING", "SKY"]);
                 constants.extend([
                     ("TEXTURE", f64::from(kind.texture as u32)),
                     ("GLOSS", flag(kind.gloss)),
@@ -235,7 +249,7 @@ impl Pipelines {
                 let topology = wgpu::PrimitiveTopology::TriangleStrip;
                 let entry_points = ["strip_corner", "strip_luminance"];
                 let stage = Stage { entry_points, blend: Some(OVER), writes_depth: false, topology, ..PLATE };
-                self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
+                self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING", "SKY"]))
             }
             Drawn::Edges => {
                 let layout = vertices(wgpu::VertexStepMode::Instance, &[VertexFormat::Float32x3; 6]);

@@ -8,10 +8,13 @@ use super::{
     strips::StripOnDevice,
     world::RoomWorld,
 };
-use crate::render::{
-    device::Graphics,
-    lens::{LensLayout, LensSlot},
-    texels::LUMINANCE_FORMAT,
+use crate::{
+    render::{
+        device::Graphics,
+        lens::{LensLayout, LensSlot},
+        texels::LUMINANCE_FORMAT,
+    },
+    scene::Band,
 };
 
 /// Number of bytes from the values of one sub-frame (an instant of the exposure) to those of the next in the buffer of the camera's values; every
@@ -70,7 +73,8 @@ pub(super) struct ViewOnDevice {
     first_bulb: u32,
     mirrored_count: u32,
     bodies_s: f32,
-    padding: [u32; 3],
+    sky: f32,
+    padding: [u32; 2],
 }
 
 /// Device layout of `Plates` of mean.wgsl: the number of images of which the mean is taken, and the share of each.
@@ -114,7 +118,8 @@ impl ViewOnDevice {
             first_bulb: world.first_bulb,
             mirrored_count: world.mirrored_count,
             bodies_s: frame.before_end_s as f32,
-            padding: [0; 3],
+            sky: (lamp_factor * world.sky_luminance(usize::from(lens.band == Band::Infrared))) as f32,
+            padding: [0; 2],
         }
     }
 }

@@ -24,6 +24,9 @@ struct Sliver {
     // Both long edges: unit normal inwards in pixels, and what makes the distance from the edge 0 on it.
     @location(5) @interpolate(flat) edge: vec3<f32>,
     @location(6) @interpolate(flat) other_edge: vec3<f32>,
+    // In metres along both sides, and where its words of `sunlight` begin.
+    @location(7) place: vec2<f32>,
+    @location(8) @interpolate(flat) shadows: f32,
 }
 
 // Line through two places, whose unit normal points to the same side as `inwards`.
@@ -69,6 +72,8 @@ fn strip_corner(@builtin(vertex_index) index: u32, strip: Strip) -> Sliver {
         vec2(surface.corner.w, surface.along.w),
         edge,
         other_edge,
+        surface.size.xy * shares[index],
+        surface.size.w,
     );
 }
 
@@ -80,7 +85,13 @@ fn strip_luminance(sliver: Sliver) -> @location(0) vec4<f32> {
     // What two parallel edges have between them: what is inside of one, less what is outside of the other.
     let share = max(covered(inside.x, abs(sliver.edge.xy)) + covered(inside.y, abs(sliver.other_edge.xy)) - 1.0, 0.0);
     let node = clamp(sliver.node, sliver.nodes.xy, sliver.nodes.zw);
-    let matt = textureSampleLevel(light_map, between_nodes, node, 0.0).x * view.luminance_per_lux;
+    var lux = textureSampleLevel(light_map, between_nodes, node, 0.0).x;
+    if (SKY) {
+        let fine = vec2(0.01, 0.0);
+        lux += sunlit(sliver.place, fine, fine.yx, u32(sliver.shadows)) * sun.towards.w
+            * max(dot(sliver.normal, sun.towards.xyz), 0.0);
+    }
+    let matt = lux * view.luminance_per_lux;
     var lit = matt;
     if (RING) {
         let way = sliver.world - view.eye.xyz;

@@ -24,7 +24,8 @@ struct Face {
     // Albedo, mirrored share, roughness, seed.
     @location(3) @interpolate(flat) material: vec4<f32>,
     @location(4) @interpolate(flat) normal: vec3<f32>,
-    @location(5) @interpolate(flat) size: vec2<f32>,
+    // Lengths of both sides, and where its words of `sunlight` begin.
+    @location(5) @interpolate(flat) size: vec3<f32>,
     // First and last node: beyond are another face's, and some drivers interpolate a little too far.
     @location(6) @interpolate(flat) nodes: vec4<f32>,
     // Of the view: eye and luminance per lux; the ring's candela along the axis and the factor on lamps; the first lamp that may show, the first
@@ -67,7 +68,7 @@ fn surface_node(node: Node, @builtin(instance_index) shown: u32) -> Face {
         (surface.nodes.xy + surface.nodes.zw * node.share + 0.5) * per_size,
         vec4(surface.corner.w, surface.along.w, surface.up.w, surface.size.z),
         normalize(cross(surface.along.xyz, surface.up.xyz)),
-        surface.size.xy,
+        surface.size.xyw,
         vec4((surface.nodes.xy + 0.5) * per_size, (surface.nodes.xy + surface.nodes.zw + 0.5) * per_size),
         vec4(view.eye.xyz, view.luminance_per_lux),
         vec4(view.ring_candela.xyz, view.lamp_factor),
@@ -83,7 +84,7 @@ fn surface_node(node: Node, @builtin(instance_index) shown: u32) -> Face {
 fn texture_at(face: Face) -> f32 {
     let seed = u32(face.material.w);
     // Floors go on from face to face.
-    let on_floor = TEXTURE == 2u || TEXTURE == 3u || TEXTURE == 4u || TEXTURE == 7u;
+    let on_floor = TEXTURE == 2u || TEXTURE == 3u || TEXTURE == 4u || TEXTURE == 7u || TEXTURE == 10u;
     let place = select(face.place, face.world.xy, on_floor);
     let extent = fwidth(place);
     let pixel_m = 0.5 * (extent.x + extent.y);
@@ -100,10 +101,10 @@ fn texture_at(face: Face) -> f32 {
         return wood(place, extent, pixel_m);
     }
     if (TEXTURE == 5u) {
-        return carpet(face.world.xy, place, face.size, pixel_m);
+        return carpet(face.world.xy, place, face.size.xy, pixel_m);
     }
     if (TEXTURE == 6u) {
-        return picture(place, face.size, pixel_m, seed);
+        return picture(place, face.size.xy, pixel_m, seed);
     }
     if (TEXTURE == 7u) {
         // What is below the water, by its number.
@@ -123,7 +124,13 @@ fn texture_at(face: Face) -> f32 {
         return 1.0;
     }
     if (TEXTURE == 8u) {
-        return chessboard(place, extent, face.size, seed);
+        return chessboard(place, extent, face.size.xy, seed);
+    }
+    if (TEXTURE == 9u) {
+        return facade(place, extent, pixel_m, face.size.xy, seed);
+    }
+    if (TEXTURE == 10u) {
+        return asphalt(place, pixel_m, seed);
     }
     return 1.0;
 }
@@ -134,7 +141,17 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     if (TEXTURE != 0u) {
         albedo *= texture_at(face);
     }
-    let lux = textureSampleLevel(light_map, between_nodes, clamp(face.node, face.nodes.xy, face.nodes.zw), 0.0).x;
+    var lux = textureSampleLevel(light_map, between_nodes, clamp(face.node, face.nodes.xy, face.nodes.zw), 0.0).x;
+    if (SKY) {
+        let across_x = dpdx(face.place);
+        let across_y = dpdy(face.place);
+        let share = sunlit(face.place, across_x, across_y, u32(face.size.z));
+        if (share > 0.0) {
+            let pixel_m = 0.5 * (length(across_x) + length(across_y));
+            let cosine = max(dot(face.normal, sun.towards.xyz), 0.0);
+            lux += share * left_by_people(face.world, pixel_m) * sun.towards.w * cosine;
+        }
+    }
     let matt = lux * face.eye.w;
     var lit = matt;
     if (!RING && !GLOSS) {
@@ -161,7 +178,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.
-        let deep = puddle(face.place, fwidth(face.place), face.size);
+        let deep = puddle(face.place, fwidth(face.place), face.size.xy);
         seen = mix(seen, nearest_along(face, out), deep);
         albedo *= 1.0 - 0.35 * deep;
     }

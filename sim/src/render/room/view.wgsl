@@ -34,7 +34,8 @@ struct View {
     mirrored_count: u32,
     // From when people were placed to when the middle row is exposed.
     bodies_s: f32,
-    padding_a: u32,
+    // Luminance of the sky.
+    sky: f32,
     padding_b: u32,
     padding_c: u32,
 }

@@ -72,6 +72,7 @@ impl RoomWorld {
         write(graphics, &mut self.people.triangles, bytemuck::cast_slice(&indices));
         self.people.indices_of_each = indices.len() as u32;
         self.people.placed = bodies.to_vec();
+        self.shade(graphics);
         Some(nodes)
     }
 

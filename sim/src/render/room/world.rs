@@ -7,11 +7,12 @@ use super::{
     faces::{self, Cells},
     people::People,
     pipelines::Pipelines,
+    sun::SunOnDevice,
 };
 use crate::{
     place::{
         building::Building,
-        light::{FloorField, LightMap, Lighting},
+        light::{Daylight, FloorField, LightMap, Lighting, Shadows},
     },
     render::device::Graphics,
     scene::MAX_LAMPS,
@@ -50,6 +51,8 @@ struct Stored {
     lamps: wgpu::Buffer,
     grid: wgpu::Buffer,
     tile_albedo: wgpu::Buffer,
+    sunlight: wgpu::Buffer,
+    sun: wgpu::Buffer,
 }
 
 impl RoomWorld {
@@ -67,7 +70,10 @@ impl RoomWorld {
             write_light(graphics, &texture, &map.nodes, band);
             texture
         });
-        let stored = [0, 1].map(|band| Stored::new(graphics, &building, &lighting, &map, band));
+        let n_panels = building.panels.len();
+        let to_sun = lighting.daylight.map(|daylight| daylight.to_sun);
+        let shadows = to_sun.map_or_else(|| Shadows::none(n_panels), |to_sun| Shadows::new(&building, to_sun));
+        let stored = [0, 1].map(|band| Stored::new(graphics, &building, (&lighting, &shadows), &map, band));
         let bindings = [0, 1].map(|band| stored[band].bind(graphics, pipelines, &light_maps[band]));
         RoomWorld {
             nodes: graphics.buffer("nodes", wgpu::BufferUsages::VERTEX, &nodes),
@@ -100,6 +106,21 @@ impl RoomWorld {
         }
         (self.lighting, self.map) = (lighting, map);
         self.people.placed.clear();
+    }
+
+    /// Luminance of the sky in one band (visible or infrared), before the factor on all light; that of an even sky is its illuminance on a level plane
+    /// over π. 0 without a sky.
+    pub(super) fn sky_luminance(&self, band: usize) -> f64 {
+        let of_sky = |daylight: &Daylight| daylight.diffuse_horizontal.by_band[band] / std::f64::consts::PI;
+        self.lighting.daylight.as_ref().map_or(0.0, of_sky)
+    }
+
+    /// Tells the sun where people stand before it.
+    pub(super) fn shade(&self, graphics: &Graphics) {
+        for (band, stored) in self.stored.iter().enumerate() {
+            let sun = SunOnDevice::new(&self.lighting, &self.people.placed, band);
+            graphics.queue.write_buffer(&stored.sun, 0, bytemuck::bytes_of(&sun));
+        }
     }
 
     pub(super) fn bindings(&self, band: usize) -> &wgpu::BindGroup {
@@ -140,17 +161,28 @@ impl RoomWorld {
 }
 
 impl Stored {
-    fn new(graphics: &Graphics, building: &Building, lighting: &Lighting, map: &LightMap, band: usize) -> Stored {
+    fn new(
+        graphics: &Graphics,
+        building: &Building,
+        (lighting, shadows): (&Lighting, &Shadows),
+        map: &LightMap,
+        band: usize,
+    ) -> Stored {
         let storage = |label, bytes: &[u8]| graphics.buffer(label, wgpu::BufferUsages::STORAGE, bytes);
         let uniform = |label, bytes: &[u8]| graphics.buffer(label, wgpu::BufferUsages::UNIFORM, bytes);
         let (grid, albedo) = faces::grid(building);
         let mut lamps = faces::lamps(building, lighting, band);
         lamps.resize(MAX_LAMPS, Zeroable::zeroed());
         Stored {
-            surfaces: storage("surfaces", bytemuck::cast_slice(&faces::surfaces(building, &map.patches, band))),
+            surfaces: storage(
+                "surfaces",
+                bytemuck::cast_slice(&faces::surfaces(building, &map.patches, shadows, band)),
+            ),
             lamps: uniform("lamps", bytemuck::cast_slice(&lamps)),
             grid: uniform("grid", bytemuck::bytes_of(&grid)),
             tile_albedo: storage("tiles", bytemuck::cast_slice(&albedo)),
+            sunlight: storage("sunlight", bytemuck::cast_slice(&shadows.words)),
+            sun: uniform("sun", bytemuck::bytes_of(&SunOnDevice::new(lighting, &[], band))),
         }
     }
 
@@ -166,6 +198,8 @@ impl Stored {
                 wgpu::BindGroupEntry { binding: 3, resource: self.tile_albedo.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(&light) },
                 wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&pipelines.linear) },
+                wgpu::BindGroupEntry { binding: 6, resource: self.sunlight.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 7, resource: self.sun.as_entire_binding() },
             ],
         })
     }

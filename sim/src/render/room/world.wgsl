@@ -9,7 +9,7 @@ struct Surface {
     up: vec4<f32>,
     // In the light map: column and row of the first node, and how many further to the last.
     nodes: vec4<f32>,
-    // Lengths of both sides, and the seed of the texture.
+    // Lengths of both sides, the seed of the texture, and where the face's words of `sunlight` begin.
     size: vec4<f32>,
 }
 
@@ -39,6 +39,17 @@ struct Grid {
     padding_b: u32,
 }
 
+struct Sun {
+    // Unit vector to the sun, and equivalent lux across it.
+    towards: vec4<f32>,
+    n_people: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+    // Of each person place, half width and height; then velocity.
+    people: array<vec4<f32>, 128>, // 2 * MOST_SHADES of sun.rs
+}
+
 @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
 // In uniform memory, as the view: from storage a software driver loads each value for each pixel.
 @group(1) @binding(1) var<uniform> lamps: array<Lamp, 1024>; // MAX_LAMPS of scene/lamps.rs
@@ -47,3 +58,6 @@ struct Grid {
 // Equivalent lux at the nodes, linear between them in both directions.
 @group(1) @binding(4) var light_map: texture_2d<f32>;
 @group(1) @binding(5) var between_nodes: sampler;
+// Shadows in sunlight, as place/light/shadows.rs writes them.
+@group(1) @binding(6) var<storage, read> sunlight: array<u32>;
+@group(1) @binding(7) var<uniform> sun: Sun;

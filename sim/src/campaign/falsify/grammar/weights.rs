@@ -32,10 +32,13 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 53] = [
+const CHANCES: [(&str, f64); 55] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("log", 0.0),
+    // Rooms under the sky have neither lamps nor a camera that looks up or down.
+    ("outdoors", 0.0),
+    ("building.facade", 0.0),
     ("navigation.map", 0.0),
     ("localizer.mapped_landmarks.map", 0.0),
     ("duration_s", 0.0),
