@@ -45,13 +45,13 @@ impl Device for ForwardCamera {
         }
         if name == MethodName::MappedLandmarks {
             let setup = scene.localizer.mapped_landmarks();
-            let (learning, quotas) = (setup.learning(), setup.quotas());
+            let (learning, declared) = (setup.learning(), setup.declared());
             let known = setup.known.as_ref().map_or_else(KnownLandmarks::default, |map| KnownLandmarks {
                 points: &map.landmarks,
                 looks: &map.looks,
             });
             let camera = robot.forward_camera?;
-            return Some(Box::new(PicturedLandmarks::new(camera, robot, known, learning, quotas)));
+            return Some(Box::new(PicturedLandmarks::new(camera, robot, known, learning, declared)));
         }
         let keys = scene.localizer.wall_directions();
         let setup = wall_directions::Setup {

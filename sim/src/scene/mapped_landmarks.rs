@@ -1,6 +1,6 @@
 //! Setup of the method `mapped_landmarks`, which locates the robot by landmarks in space.
 
-use localizer::methods::mapped_landmarks::{Learning, pictures::Quotas};
+use localizer::methods::mapped_landmarks::{Learning, pictures::Declared};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +29,12 @@ pub struct MappedLandmarksSetup {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 1000))]
     pub wrong_items: Option<usize>,
+    /// For landmarks that are seen in pictures of the forward camera: least distance, along the direction of view, of a landmark that is seen for the
+    /// first time. Nearer ones count as false sightings. The farther all is, the better landmarks are found again: 3 m suit a street. Unless given, it
+    /// is 0.4 m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.05, max = 1000.0))]
+    pub least_depth_m: Option<f64>,
     /// Contents of the file that the key `map` names.
     #[serde(skip)]
     pub known: Option<LandmarkMap>,
@@ -42,6 +48,7 @@ impl Default for MappedLandmarksSetup {
             teaches: false,
             wrong_share: None,
             wrong_items: None,
+            least_depth_m: None,
             known: None,
         }
     }
@@ -57,12 +64,13 @@ impl MappedLandmarksSetup {
         }
     }
 
-    /// The declared quotas of false sightings, as the localizer is given them.
-    pub(crate) fn quotas(&self) -> Quotas {
-        let usual = Quotas::default();
-        Quotas {
+    /// What is declared of sightings in pictures, as the localizer is given it.
+    pub(crate) fn declared(&self) -> Declared {
+        let usual = Declared::default();
+        Declared {
             wrong_share: self.wrong_share.unwrap_or(usual.wrong_share),
             wrong_items: self.wrong_items.unwrap_or(usual.wrong_items),
+            least_depth_m: self.least_depth_m.unwrap_or(usual.least_depth_m),
         }
     }
 }

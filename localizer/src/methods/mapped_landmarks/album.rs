@@ -40,6 +40,8 @@ const WORTHWHILE: f64 = 0.7;
 const OFTEN: usize = 8;
 /// Greatest number of landmarks that are known.
 const MOST_KNOWN: usize = 1500;
+/// Time after which a landmark that was not found often has its place taken where too many are known: longer than one is in view of a robot that passes.
+const PASSING_S: f64 = 8.0;
 
 /// Number of pictures that are solved together, and number of them from one program to the next.
 const WINDOW: usize = 12;
@@ -112,8 +114,7 @@ impl Album {
 
     /// Landmarks that are worth a place on a map: those of the map, and those that were found often enough.
     pub(super) fn kept(&self) -> impl Iterator<Item = (LandmarkId, &Entry)> {
-        let is_kept = |entry: &Entry| entry.since_s == f64::NEG_INFINITY || entry.record.n_found >= OFTEN;
-        self.entries.iter().filter(move |(_, entry)| is_kept(entry)).map(|(landmark, entry)| (*landmark, entry))
+        self.entries.iter().filter(|(_, entry)| entry.is_kept()).map(|(landmark, entry)| (*landmark, entry))
     }
 
     /// Notes the result of a search for a landmark in a picture that should show it.
@@ -126,7 +127,12 @@ impl Album {
     /// Adds a landmark that a picture has shown for the first time, and returns its number; `None` where too many are known.
     pub(super) fn add(&mut self, look: Landmark, point: SpacePoint, stamp_s: f64) -> Option<LandmarkId> {
         if self.entries.len() >= MOST_KNOWN {
-            return None;
+            // Those that pictures have left behind before they were found often are worth no place.
+            let is_kept = |entry: &Entry| entry.is_kept() || entry.since_s > stamp_s - PASSING_S;
+            self.entries.retain(|_, entry| is_kept(entry));
+            if self.entries.len() >= MOST_KNOWN {
+                return None;
+            }
         }
         let landmark = LandmarkId(self.n_numbers);
         self.n_numbers = self.n_numbers.checked_add(1)?;
@@ -242,6 +248,11 @@ impl Album {
 impl Entry {
     fn new(look: Arc<Landmark>, point: SpacePoint, since_s: f64) -> Entry {
         Entry { look, point, record: Record::default(), first: point, since_s, told: Vec::new(), related: Vec::new() }
+    }
+
+    /// Whether the landmark is worth a place on a map.
+    fn is_kept(&self) -> bool {
+        self.since_s == f64::NEG_INFINITY || self.record.n_found >= OFTEN
     }
 
     /// Whether the landmark has not been missed too often. One that was found for long may be hidden for long.

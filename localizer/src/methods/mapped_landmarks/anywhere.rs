@@ -3,12 +3,11 @@
 //! The box is bisected. A part is left out where more sightings than may be wrong cannot be right: their image points are too far from where the
 //! landmarks are seen from the part. What is left, once it is small enough for rows to be of use, is contracted by them.
 
-use interval::{Interval, contractor::Contractor};
+use interval::Interval;
 
 use crate::{PoseBox, graph::is_linear_over};
 
 use super::{
-    few_wrong::FewWrong,
     ray::{Optics, Parameters},
     relate::Sight,
 };
@@ -32,55 +31,45 @@ pub(super) fn is_vague(pose: &PoseBox) -> bool {
 /// Widest box of positions, in metres, in which landmarks are searched where they should be seen.
 const WIDEST_M: f64 = 1.5;
 
-impl FewWrong {
-    /// Boxes that hold all poses of a box from which the picture can have been taken. Where too much is possible, that is the whole box.
-    pub(super) fn anywhere(&self, domain: &PoseBox) -> Vec<PoseBox> {
-        if (0..3).any(|axis| !domain[axis].is_bounded()) {
+/// Boxes that hold all poses of a box that `may_be` does not exclude and `contract` leaves. Where too much is possible, that is the whole box.
+pub(super) fn anywhere(
+    domain: &PoseBox,
+    may_be: impl Fn(&PoseBox) -> bool,
+    contract: impl Fn(&mut PoseBox),
+) -> Vec<PoseBox> {
+    if (0..3).any(|axis| !domain[axis].is_bounded()) {
+        return vec![*domain];
+    }
+    let (mut parts, mut found) = (vec![*domain], Vec::new());
+    let (mut n_parts, mut n_contracted) = (0, 0);
+    while let Some(mut part) = parts.pop() {
+        n_parts += 1;
+        if n_parts > MOST_PARTS || n_contracted > MOST_CONTRACTED {
             return vec![*domain];
         }
-        let (mut parts, mut found) = (vec![*domain], Vec::new());
-        let (mut n_parts, mut n_contracted) = (0, 0);
-        while let Some(mut part) = parts.pop() {
-            n_parts += 1;
-            if n_parts > MOST_PARTS || n_contracted > MOST_CONTRACTED {
-                return vec![*domain];
-            }
-            if !self.may_show(&part) {
-                continue;
-            }
-            let mut split = longest(&part, SMALL);
-            if split.is_none() {
-                n_contracted += 1;
-                self.contract(&mut part);
-                split = longest(&part, SMALLEST);
-            }
-            match split {
-                _ if part.is_empty() => {}
-                Some(axis) => {
-                    let (low, high) = part.bisect(axis);
-                    parts.extend([high, low]);
-                }
-                None => join(&mut found, part),
-            }
+        if !may_be(&part) {
+            continue;
         }
-        if found.len() > MOST_FOUND { vec![*domain] } else { found }
+        let mut split = longest(&part, SMALL);
+        if split.is_none() {
+            n_contracted += 1;
+            contract(&mut part);
+            split = longest(&part, SMALLEST);
+        }
+        match split {
+            _ if part.is_empty() => {}
+            Some(axis) => {
+                let (low, high) = part.bisect(axis);
+                parts.extend([high, low]);
+            }
+            None => join(&mut found, part),
+        }
     }
-
-    /// Whether no more sightings than may be wrong exclude all poses of a box.
-    fn may_show(&self, part: &PoseBox) -> bool {
-        let shown = self.stray.around(part);
-        let mut n_left = self.most_wrong;
-        self.sights().all(|(optics, sight)| {
-            let fits = may_be_seen(optics, sight, &shown);
-            let may_be_wrong = n_left > 0;
-            n_left -= usize::from(!fits && may_be_wrong);
-            fits || may_be_wrong
-        })
-    }
+    if found.len() > MOST_FOUND { vec![*domain] } else { found }
 }
 
 /// Whether a landmark may be seen where a sighting has it, from some pose of a box: the equations of its image point, as mean value forms.
-fn may_be_seen(optics: &Optics, sight: &Sight, pose: &PoseBox) -> bool {
+pub(super) fn may_be_seen(optics: &Optics, sight: &Sight, pose: &PoseBox) -> bool {
     let over_box = optics.parameters(pose, sight.point.value);
     let middle = over_box.map(|value| Interval::point(value.mid()));
     let deviations: Parameters = std::array::from_fn(|k| over_box[k] - middle[k]);
@@ -112,31 +101,20 @@ fn join(found: &mut Vec<PoseBox>, mut one: PoseBox) {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
-
     use super::*;
-    use crate::{
-        graph::{Stray, trial::Draw},
-        methods::mapped_landmarks::{few_wrong::tests::trial, trial::is_within},
-    };
 
     #[test]
-    fn a_picture_tells_where_in_a_hall_and_facing_where_it_was_taken() {
-        let mut draw = Draw::new(20_261_206);
-        let hall = PoseBox::from([Interval::new(-5.0, 5.0), Interval::new(-5.0, 5.0), Interval::new(-PI, PI)]);
-        for round in 0..4 {
-            let n_wrong = round % 2;
-            let (optics, sights, _, truth) = trial(&mut draw, n_wrong);
-            let sights = FewWrong::new(&optics, Stray::default(), &sights, n_wrong);
-            let found = sights.branches(&hall);
-            assert!(found.iter().any(|one| is_within(truth, one)), "round {round}: {truth:?} {found:?}");
-            let area_m2: f64 = found.iter().map(|one| one.width(0) * one.width(1)).sum();
-            assert!(found.len() <= 3 && area_m2 < 0.5, "round {round}: {found:?}");
-            // A part of the hall without the truth is excluded, where no other place looks the same.
-            let beyond = PoseBox::from([hall[0], hall[1], Interval::centred(truth[2] + PI, 1.5)]);
-            assert!(FewWrong::new(&optics, Stray::default(), &[], 0).branches(&beyond) == [beyond]);
-            assert!(sights.anywhere(&beyond).is_empty(), "round {round}");
-        }
+    fn what_is_not_excluded_is_found_and_no_more() {
+        // A diagonal strip: |x − y| ≤ 0.1 m, at a heading of 1 rad.
+        let near = |part: &PoseBox| !(part[0] - part[1]).intersect(Interval::centred(0.0, 0.1)).is_empty();
+        let heading = |part: &mut PoseBox| part[2] = part[2].intersect(Interval::point(1.0));
+        let domain = PoseBox::from([Interval::new(0.0, 3.0), Interval::new(2.0, 5.0), Interval::new(-2.0, 2.0)]);
+        let found = anywhere(&domain, near, heading);
+        assert!(found.iter().any(|one| one[0].contains(2.5) && one[1].contains(2.5) && one[2].contains(1.0)));
+        assert!(found.iter().all(|one| one[0].lo() > 1.5 && one[1].hi() < 3.5), "{found:?}");
+        // Where nothing is excluded and nothing contracted, the whole box is left.
+        assert_eq!(anywhere(&domain, |_| true, |_| {}), [domain]);
+        assert!(anywhere(&domain, |_| false, |_| {}).is_empty());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::{
 };
 
 use super::{
-    anywhere::is_vague,
+    anywhere::{anywhere, is_vague, may_be_seen},
     ray::Optics,
     relate::{Points, Sight},
 };
@@ -32,8 +32,8 @@ const EXCLUDED: &str = "more sightings of an image than may be wrong exclude eve
 #[derive(Clone)]
 pub(super) struct FewWrong {
     sights: Vec<Points>,
-    pub(super) most_wrong: usize,
-    pub(super) stray: Stray,
+    most_wrong: usize,
+    stray: Stray,
     /// A wide box of poses, with what the sightings leave of it: it is needed again each time that readings are gone through anew.
     found: OnceLock<(PoseBox, Vec<PoseBox>)>,
 }
@@ -48,9 +48,20 @@ impl FewWrong {
         FewWrong { sights: by_column.iter().map(alone).collect(), most_wrong, stray, found: OnceLock::new() }
     }
 
-    /// The sightings, each with what is known of the camera and the body.
-    pub(super) fn sights(&self) -> impl Iterator<Item = (&Optics, &Sight)> {
-        self.sights.iter().flat_map(|one| one.seen.iter().map(|sight| (&*one.optics, sight)))
+    /// Boxes that hold all poses of a wide box from which the picture can have been taken.
+    fn anywhere(&self, domain: &PoseBox) -> Vec<PoseBox> {
+        let contract = |part: &mut PoseBox| {
+            self.contract(part);
+        };
+        anywhere(domain, |part| self.may_show(part), contract)
+    }
+
+    /// Whether no more sightings than may be wrong exclude all poses of a box.
+    fn may_show(&self, part: &PoseBox) -> bool {
+        let shown = self.stray.around(part);
+        let seen = self.sights.iter().flat_map(|one| one.seen.iter().map(|sight| (&*one.optics, sight)));
+        seen.filter(|(optics, sight)| !may_be_seen(optics, sight, &shown)).take(self.most_wrong + 1).count()
+            <= self.most_wrong
     }
 
     /// Whether so many sightings agree that they tell where the robot is, of all places: chance does not make the greater part of them agree.
@@ -118,9 +129,12 @@ impl Contractor<3> for FewWrong {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 pub(super) mod tests {
+    use std::f64::consts::PI;
+
+    use interval::Interval;
+
     use super::*;
     use crate::{
-        PoseBox,
         graph::trial::{Draw, rounds},
         map::{Anchor, SpacePoint},
         methods::mapped_landmarks::trial::{True, around, boxed, homogeneous, is_within, look, walls},
@@ -167,6 +181,25 @@ pub(super) mod tests {
             narrower += usize::from((0..3).all(|axis| left.width(axis) < 0.5 * pose.width(axis)));
         }
         assert!(3 * narrower >= 2 * n_rounds, "{narrower}");
+    }
+
+    #[test]
+    fn a_picture_tells_where_in_a_hall_and_facing_where_it_was_taken() {
+        let mut draw = Draw::new(20_261_206);
+        let hall = PoseBox::from([Interval::new(-5.0, 5.0), Interval::new(-5.0, 5.0), Interval::new(-PI, PI)]);
+        for round in 0..4 {
+            let n_wrong = round % 2;
+            let (optics, sights, _, truth) = trial(&mut draw, n_wrong);
+            let sights = FewWrong::new(&optics, Stray::default(), &sights, n_wrong);
+            let found = sights.branches(&hall);
+            assert!(found.iter().any(|one| is_within(truth, one)), "round {round}: {truth:?} {found:?}");
+            let area_m2: f64 = found.iter().map(|one| one.width(0) * one.width(1)).sum();
+            assert!(found.len() <= 3 && area_m2 < 0.5, "round {round}: {found:?}");
+            // A part of the hall without the truth is excluded, where no other place looks the same.
+            let beyond = PoseBox::from([hall[0], hall[1], Interval::centred(truth[2] + PI, 1.5)]);
+            assert!(FewWrong::new(&optics, Stray::default(), &[], 0).branches(&beyond) == [beyond]);
+            assert!(sights.anywhere(&beyond).is_empty(), "round {round}");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //!
 //! **Wrong sightings.** A sighting is true if a point of the landmark's box is seen within the claimed error, and false otherwise: where something
 //! else looks like the landmark, where the landmark is no point of a surface, as where one edge passes behind another, and where its box is wrong. Of
-//! the sightings of a picture a declared number may be false ([`Quotas`]). Poses stay on which all others agree (`few_wrong`). No sighting is certain by
+//! the sightings of a picture a declared number may be false ([`Declared`]). Poses stay on which all others agree (`few_wrong`). No sighting is certain by
 //! itself; what all of them together say of the pose becomes rows of the graph of key frames (`pose_rows`).
 //!
 //! **Anywhere.** Where the pose is known vaguely or not at all, landmarks are searched in the whole picture. Much is found then that only looks like
@@ -76,32 +76,32 @@ const NEW_PLACE_RAD: f64 = 0.08;
 /// Greatest width of the box of a pose, in metres and in radians, from which landmarks are learnt.
 const KNOWN_M: f64 = 0.25;
 const KNOWN_RAD: f64 = 0.06;
-/// Least depth, in metres, with which a new landmark begins. A nearer one is outside of its box, and its sightings are false.
-const LEAST_DEPTH_M: f64 = 0.4;
 /// Tangent of the greatest slant of surfaces that show landmarks, 50°.
 const SLANT: f64 = 1.2;
 /// Noise of a camera of a home robot in a room: standard deviation in darkness, in grey levels, and electrons per grey level.
 const DARK_NOISE_GREY: f64 = 1.0;
 const ELECTRONS_PER_GREY: f64 = 20.0;
 
-/// Declared greatest number of a picture's sightings that may be false.
+/// What is declared of the sightings of landmarks in pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quotas {
+pub struct Declared {
     /// Share of a picture's sightings that may be false.
     pub wrong_share: f64,
     /// Number of a picture's sightings that may be false in addition.
     pub wrong_items: usize,
+    /// Least depth, in metres, with which a new landmark begins. A nearer one is outside of its box, and its sightings are false.
+    pub least_depth_m: f64,
 }
 
-impl Default for Quotas {
-    /// Default quotas, far above the false sightings of the rendered room of `scenes/landmarks/room_repeat.toml`, of which 4 in 18 522 were false:
-    /// other rooms show more that looks alike.
+impl Default for Declared {
+    /// Defaults for a furnished room. The quotas are far above the false sightings of that of `scenes/landmarks/room_repeat.toml`, of which 4 in 20 108
+    /// were false: other rooms show more that looks alike.
     fn default() -> Self {
-        Quotas { wrong_share: 0.05, wrong_items: 1 }
+        Declared { wrong_share: 0.05, wrong_items: 1, least_depth_m: 0.4 }
     }
 }
 
-impl Quotas {
+impl Declared {
     /// Greatest number of so many sightings that may be false.
     fn wrong_of(&self, n_sightings: usize) -> usize {
         share_of(self.wrong_share, n_sightings) + self.wrong_items
@@ -122,7 +122,7 @@ pub struct PicturedLandmarks {
     finder: Finder,
     images: ImageBounds,
     stray: Stray,
-    quotas: Quotas,
+    declared: Declared,
     learning: Learning,
     album: Album,
     /// Middle of the box of the pose from whose picture landmarks were learnt last.
@@ -146,7 +146,7 @@ impl PicturedLandmarks {
         robot: &RobotModel,
         known: KnownLandmarks,
         learning: Learning,
-        quotas: Quotas,
+        declared: Declared,
     ) -> PicturedLandmarks {
         let pinhole = PointCameraModel {
             focal_px: camera.focal_px,
@@ -157,7 +157,7 @@ impl PicturedLandmarks {
             position_m: camera.position_m,
             height_m: camera.height_m,
             error_px: 0.0,
-            least_depth_m: LEAST_DEPTH_M,
+            least_depth_m: declared.least_depth_m,
             stamp_error_s: camera.stamp_error_s,
         };
         PicturedLandmarks {
@@ -169,7 +169,7 @@ impl PicturedLandmarks {
                 electrons_per_grey: ELECTRONS_PER_GREY,
             },
             stray: Stray::by_reach(camera.stamp_error_s, &robot.reach),
-            quotas,
+            declared,
             learning,
             album: Album::of(known.points, known.looks),
             learnt_at: None,
@@ -213,7 +213,7 @@ impl Method for PicturedLandmarks {
             self.finder.search_everywhere(&self.album, &mut frame, size_px, &mut search);
             search.keep(&agreeing(&search.sights, &self.finder.optics));
             // Sightings that are few say nothing of where the robot is, and so claim nothing.
-            if !self.by_sights(&search.sights, self.quotas.wrong_of(search.sights.len())).tells_anywhere() {
+            if !self.by_sights(&search.sights, self.declared.wrong_of(search.sights.len())).tells_anywhere() {
                 return None;
             }
         }
@@ -222,7 +222,7 @@ impl Method for PicturedLandmarks {
         if is_rough {
             self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, false);
             if search.sights.len() >= FEWEST_FIRST {
-                let most_wrong = self.quotas.wrong_of(search.sights.len());
+                let most_wrong = self.declared.wrong_of(search.sights.len());
                 let known = self.by_sights(&search.sights, most_wrong).pass(&pose);
                 pose = if known.is_empty() { pose } else { known };
             }
@@ -257,7 +257,7 @@ impl Method for PicturedLandmarks {
         used.truncate(MOST_USED);
         let (sights, claims): (Vec<Sight>, Vec<Claim>) =
             used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
-        let most_wrong = self.quotas.wrong_of(sights.len());
+        let most_wrong = self.declared.wrong_of(sights.len());
         let on_pose = self.by_sights(&sights, most_wrong);
         self.recent.push_back((*measured_s, sights, most_wrong));
         self.recent.retain(|(stamp_s, ..)| *stamp_s > measured_s - RECENT_S);
