@@ -99,9 +99,9 @@ fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &Ima
         Seen::Image { pixels, exposure_s } => {
             let tones = Tones::of(pixels.as_raw().iter().map(|level| u16::from(*level)));
             let light = format!(
-                "{}, exposed {:.1} ms, grey {} to {} shown black to white",
+                "{}, exposed {} ms, grey {} to {} shown black to white",
                 light_in_words(&file.scene, image.measured_s),
-                exposure_s * 1e3,
+                milliseconds(*exposure_s),
                 tones.black,
                 tones.white,
             );
@@ -121,6 +121,12 @@ fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &Ima
     canvas.text([left_of(TITLE_PX, &outcome), 12.0], TITLE_PX, colour, &outcome);
     let widths = widths(image);
     canvas.text([left_of(TEXT_PX, &widths), 48.0], TEXT_PX, palette::FAINT_INK, &widths);
+}
+
+/// An exposure time in milliseconds: of daylight, which is exposed for some hundredths, with three decimals.
+fn milliseconds(exposure_s: f64) -> String {
+    let exposure_ms = exposure_s * 1e3;
+    if exposure_ms < 1.0 { format!("{exposure_ms:.3}") } else { format!("{exposure_ms:.1}") }
 }
 
 /// Says in words whether the localizer's union of boxes, just after it used the image, holds the robot's true pose, and in which colour to write it.
@@ -154,7 +160,8 @@ fn widths(image: &ImageRecord) -> String {
 
 /// Light in words: the mean illuminance with all lamps on and where it is measured, and which lamps are switched.
 fn light_in_words(scene: &Scene, time_s: f64) -> String {
-    let all_on = illuminance_lux(scene, time_s).map_or("lamps as stated".to_owned(), |(lux, place)| {
+    let as_stated = if scene.outdoors.is_some() { "sun and sky" } else { "lamps as stated" };
+    let all_on = illuminance_lux(scene, time_s).map_or(as_stated.to_owned(), |(lux, place)| {
         let with = if scene.switched_lamps().is_empty() { "" } else { " with all lamps on" };
         format!("{lux} lx at the {place}{with}")
     });
