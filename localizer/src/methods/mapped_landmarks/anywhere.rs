@@ -15,8 +15,9 @@ use super::{
 /// Sides of a part, in metres and in radians, that is contracted by rows, and of one that is not bisected any more after that.
 const SMALL: [f64; 3] = [0.5, 0.5, 0.15];
 const SMALLEST: [f64; 3] = [0.2, 0.2, 0.06];
-/// Greatest number of parts that are examined, and that are contracted. A furnished room takes some hundreds, and some tens.
+/// Greatest number of parts that are examined. Where more are needed, the whole box is left, so that a reading does not take for ever.
 const MOST_PARTS: usize = 40_000;
+/// The same for parts that are contracted, each by some programs.
 const MOST_CONTRACTED: usize = 600;
 /// Greatest number of boxes of poses that are told apart.
 const MOST_FOUND: usize = 32;
