@@ -30,13 +30,21 @@ impl PoseRows {
         PoseRows { sightings, stamp_error_s, rows: OnceLock::new() }
     }
 
-    /// The rows for a picture from a pose within a box.
+    /// The rows for a picture from a pose within a box: bounds over all parts of the box that the sightings do not exclude.
     fn make(&self, pose: &PoseBox) -> Vec<([f64; 3], Interval)> {
         let Some(program) = self.sightings.program(pose) else { return Vec::new() };
         let functions = told_best(&program.on_pose, [0, 1, 2].map(|axis| 0.5 * pose.width(axis)));
-        let Some(bounds) = program.bounds(&functions) else { return Vec::new() };
-        functions.into_iter().zip(bounds).collect()
+        let bounds = parts(pose).into_iter().filter_map(|part| self.sightings.program(&part)?.bounds(&functions));
+        let hull = bounds.reduce(|hull, bounds| hull.into_iter().zip(bounds).map(|(a, b)| a.hull(b)).collect());
+        hull.map_or_else(Vec::new, |hull| functions.into_iter().zip(hull).collect())
     }
+}
+
+/// A box in eight parts, each half as wide along every axis. What is not linear in the rows is about a quarter in a part of what it is in the box.
+fn parts(pose: &PoseBox) -> Vec<PoseBox> {
+    (0..3).fold(vec![*pose], |parts, axis| {
+        parts.iter().flat_map(|part| <[PoseBox; 2]>::from(part.bisect(axis))).collect()
+    })
 }
 
 /// The directions in the space of a pose that rows tell best: the principal axes of Σ a·aᵀ/s², with the coefficients a of a row and the half width s of
@@ -133,6 +141,18 @@ mod tests {
             n_narrow += usize::from(made.iter().any(|row| row.sides.width() < 0.2 * range(row)));
         }
         assert!(3 * n_narrow >= 2 * n_rounds, "{n_narrow}");
+    }
+
+    #[test]
+    fn the_parts_of_a_box_are_half_as_wide_and_cover_it() {
+        let mut draw = Draw::new(20_261_127);
+        let pose = PoseBox::from([Interval::new(-0.3, 0.1), Interval::new(2.0, 2.7), Interval::new(-3.2, -3.1)]);
+        let parts = parts(&pose);
+        assert!(parts.iter().all(|part| (0..3).all(|axis| part.width(axis) < 0.51 * pose.width(axis))));
+        for _ in 0..1000 {
+            let at = [0, 1, 2].map(|axis| draw.within(pose[axis]));
+            assert!(parts.iter().any(|part| (0..3).all(|axis| part[axis].contains(at[axis]))), "{at:?}");
+        }
     }
 
     fn axis_of(variable: Variable) -> usize {
