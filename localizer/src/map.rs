@@ -2,12 +2,14 @@
 //!
 //! Frame `world`: x and y along two walls of the room, z up, heading counter-clockwise from x.
 
+mod seen_again;
 mod space_point;
 
 use interval::Interval;
 
 use crate::markers::{Coding, MarkerId};
 
+pub use seen_again::SeenAgain;
 pub use space_point::{Anchor, SpacePoint};
 
 /// Map of a room and its floor, as surveyed.

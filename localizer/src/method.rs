@@ -10,7 +10,7 @@ use crate::{
     PoseUnion, Reading,
     bounds::Assumption,
     graph::{Relations, Variable},
-    map::SpacePoint,
+    map::{SeenAgain, SpacePoint},
     markers::{GridPlace, MarkerId},
     motion::{Motion, Twist},
     quota::Quota,
@@ -117,6 +117,11 @@ pub trait Memory {
 
     /// Landmarks in space that are known, from a map or learnt, in the order of their numbers.
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        Vec::new()
+    }
+
+    /// How often the landmarks of the map that were looked for were found on this drive, in the order of their numbers.
+    fn seen_again(&self) -> Vec<SeenAgain> {
         Vec::new()
     }
 

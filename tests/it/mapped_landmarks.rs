@@ -248,5 +248,13 @@ fn what_has_moved_since_a_map_was_taught_does_not_lead_astray() {
         let method = &summary["methods"]["mapped_landmarks"];
         let [claims, wrong] = ["claims", "false_claims"].map(|figure| method[figure].as_f64().unwrap());
         assert!(claims > 100.0 && wrong < 0.05 * claims, "seed {seed}: {method}");
+        // On the wall ahead another picture hangs between y = 1.6 m and 2.7 m.
+        let gone = summary["map_seen"]["gone"].as_array().unwrap();
+        let is_of_picture = |one: &&Value| {
+            let [x_m, y_m] = [0, 1].map(|axis| one["at_m"][axis].as_f64().unwrap_or(f64::NAN));
+            (5.3..5.5).contains(&x_m) && (1.5..2.8).contains(&y_m)
+        };
+        assert!(gone.iter().filter(is_of_picture).count() >= 3, "seed {seed}: {gone:?}");
+        assert!(told.contains("seem to have gone: ") && told.contains("x 5.4 m, y 2."), "seed {seed}: {told}");
     }
 }

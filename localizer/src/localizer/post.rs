@@ -9,7 +9,7 @@ use interval::Interval;
 
 use crate::{
     graph::{Hull, Variable},
-    map::SpacePoint,
+    map::{SeenAgain, SpacePoint},
     reading::LandmarkId,
     vision::point_features::Landmark,
 };
@@ -32,6 +32,11 @@ impl Localizer {
             return Vec::new();
         }
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.space_points()).collect()
+    }
+
+    /// How often the landmarks of a map in space that were looked for were found on this drive.
+    pub fn seen_again(&self) -> Vec<SeenAgain> {
+        self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.seen_again()).collect()
     }
 
     /// How the landmarks in space look that a method knows by their looks.

@@ -29,6 +29,7 @@ pub mod pictures;
 mod pose_rows;
 mod ray;
 mod relate;
+mod seen_again;
 
 use std::{collections::VecDeque, sync::Arc};
 

@@ -8,6 +8,7 @@
 //! | `occurrences` | the scene's events as they came about in a run, for its summary |
 //! | `wording` | quantities in words, with their units |
 //! | `summary` | the files `summary.json` and `timing.json` |
+//! | [`seen_again`] | which landmarks of a map a drive saw again, and which seem to have gone |
 //! | [`run_files`] | the folder of one run: its summary, trajectories, boxes, steps |
 //! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
 //! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
@@ -21,6 +22,7 @@ mod files;
 mod digest;
 mod occurrences;
 mod summary;
+pub mod seen_again;
 pub(crate) mod wording;
 pub mod run_files;
 pub mod recording;

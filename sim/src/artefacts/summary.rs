@@ -17,6 +17,7 @@ use crate::{
 use super::{
     digest::{estimates_digest, program_digest, scene_digest, truth_digest},
     occurrences::{Occurrence, occurrences},
+    seen_again::MapSeen,
 };
 
 /// Everything that `summary.json` holds, in the file's order. It is equal for equal scene, seed, program version and graphics adapter.
@@ -43,6 +44,9 @@ pub struct Summary<'a> {
     pub contradictions: Vec<Contradiction<'a>>,
     /// What makes the width of the boxes: the mean over the localizer's key frames, for each declared bound. Empty without key frames.
     pub width_by_bound: BTreeMap<&'static str, BTreeMap<&'static str, f64>>,
+    /// What the drive tells of the landmarks of its map; left out where none was looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_seen: Option<MapSeen>,
     /// Digests that identify the run.
     pub digest: Digests,
 }
@@ -74,6 +78,7 @@ impl<'a> Summary<'a> {
             events: occurrences(&file.scene, record),
             contradictions: record.contradictions.iter().map(Contradiction::of).collect(),
             width_by_bound: width_by_bound(record),
+            map_seen: MapSeen::of(&file.scene, record),
             digest: Digests {
                 scene: scene_digest(&file.scene),
                 truth: truth_digest(&record.truths),

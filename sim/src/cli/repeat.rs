@@ -4,10 +4,18 @@ use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
 
-use crate::{loading::Setting, place::landmark_map, scene::MethodName};
+use crate::{
+    artefacts::{
+        run_files::{folder, read},
+        seen_again,
+    },
+    loading::Setting,
+    place::landmark_map,
+    scene::MethodName,
+};
 
 use super::{
-    CommandError,
+    CommandError, print,
     run::{RunArguments, run_scenes},
 };
 
@@ -39,5 +47,14 @@ pub(super) fn repeat(mut arguments: RepeatArguments, adapter: Option<&str>) -> R
     let quoted = toml::Value::String(path.to_string_lossy().into_owned());
     let setting: Setting = format!("localizer.mapped_landmarks.map={quoted}").parse().map_err(CommandError::Setting)?;
     arguments.run.which.set.push(setting);
-    run_scenes(&arguments.run, adapter)
+    let outcome = run_scenes(&arguments.run, adapter)?;
+    for file in &arguments.run.which.load()? {
+        for seed in arguments.run.which.seeds() {
+            let summary = read(&folder(&arguments.run.out, &file.name, seed))?.map(|(summary, _)| summary);
+            if let Some(told) = summary.as_ref().and_then(seen_again::in_words) {
+                print(&format!("{}, seed {seed}: {told}\n", file.name))?;
+            }
+        }
+    }
+    Ok(outcome)
 }

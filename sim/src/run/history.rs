@@ -7,7 +7,7 @@ use localizer::{
     Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     bounds::Assumption,
     localizer::{Contradiction, PoseWidth},
-    map::SpacePoint,
+    map::{SeenAgain, SpacePoint},
     quota::Quota,
     reading::{Camera, LandmarkId},
     vision::point_features::Landmark,
@@ -57,6 +57,8 @@ pub struct RunRecord {
     pub widths: Vec<PoseWidth>,
     /// Landmarks in space that the localizer knew at the end, from a map or learnt, in the order of their numbers.
     pub space_points: Vec<(LandmarkId, SpacePoint)>,
+    /// How often the localizer found the landmarks of its map that it looked for, in the order of their numbers.
+    pub seen_again: Vec<SeenAgain>,
     /// How the landmarks in space look that the localizer knew by their looks at the end, in the order of their numbers.
     pub looks: Vec<(LandmarkId, Landmark)>,
     /// What the localizer under test did wrong so that the run ended, if anything.
@@ -219,6 +221,7 @@ impl RunRecord {
             contradictions: Vec::new(),
             widths: Vec::new(),
             space_points: Vec::new(),
+            seen_again: Vec::new(),
             looks: Vec::new(),
             subject_failure: None,
             subject_log: None,

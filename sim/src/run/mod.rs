@@ -162,6 +162,7 @@ impl Simulation<'_> {
             self.drive(&one, stage.as_mut(), subject, &mut record, progress)?;
         }
         record.history.space_points = subject.space_points();
+        record.history.seen_again = subject.seen_again();
         record.history.looks = subject.looks();
         record.history.subject_log = subject.end();
         Ok(record.finish(began))

@@ -3,7 +3,7 @@
 use localizer::{
     Localizer, Method, PoseBox, Reading,
     localizer::{Account, PoseWidth},
-    map::SpacePoint,
+    map::{SeenAgain, SpacePoint},
     motion::SlipExcess,
     reading::LandmarkId,
     vision::point_features::Landmark,
@@ -66,6 +66,10 @@ impl Subject for IntervalLocalizer {
 
     fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
         self.localizer.space_points()
+    }
+
+    fn seen_again(&self) -> Vec<SeenAgain> {
+        self.localizer.seen_again()
     }
 
     fn looks(&self) -> Vec<(LandmarkId, Landmark)> {

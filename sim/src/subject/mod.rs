@@ -18,7 +18,7 @@ use interval::Interval;
 use localizer::{
     Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     localizer::{Account, PoseWidth},
-    map::SpacePoint,
+    map::{SeenAgain, SpacePoint},
     motion::SlipExcess,
     reading::LandmarkId,
     vision::point_features::Landmark,
@@ -84,6 +84,11 @@ pub trait Subject {
 
     /// Landmarks in space that the subject knows, from a map or learnt, for a map file; a subject without any need not implement this.
     fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
+        Vec::new()
+    }
+
+    /// How often the landmarks of the map that the subject looked for were found on the drive; a subject without any need not implement this.
+    fn seen_again(&self) -> Vec<SeenAgain> {
         Vec::new()
     }
 

@@ -108,6 +108,11 @@ impl Album {
         self.entries.iter().filter(|(_, entry)| entry.is_searched()).map(|(landmark, entry)| (*landmark, entry))
     }
 
+    /// Whether a landmark is one of the map.
+    pub(super) fn is_of_map(&self, landmark: LandmarkId) -> bool {
+        self.entries.get(&landmark).is_some_and(|entry| entry.since_s == f64::NEG_INFINITY)
+    }
+
     pub(super) fn point(&self, landmark: LandmarkId) -> Option<SpacePoint> {
         Some(self.entries.get(&landmark)?.point)
     }

@@ -11,7 +11,7 @@ use crate::{
     map::SpacePoint,
     method::Claim,
     reading::LandmarkId,
-    vision::point_features::{Frame, Landmark, Search, Sighting},
+    vision::point_features::{Frame, Landmark, Refusal, Search, Sighting},
 };
 
 use super::{
@@ -33,6 +33,8 @@ const TURN_RAD: f64 = 0.15;
 /// beyond them a patch is not aligned.
 const LEAST_COSINE: f64 = 0.75;
 const GREATEST_RATIO: f64 = 2.0;
+/// Greatest distance, in metres, from the place from which a landmark was first seen at which it counts as missed.
+const FIRST_SEEN_M: f64 = 0.5;
 /// Distance from the picture's border, in pixels, within which a landmark is not missed: its patch is not wholly in view.
 const BORDER_PX: f64 = 24.0;
 
@@ -54,6 +56,8 @@ pub(super) struct Searched {
     pub(super) claims: Vec<Claim>,
     /// Places in the picture at or near which landmarks are.
     pub(super) near_px: Vec<[f64; 2]>,
+    /// Landmarks that should be wholly in view, near where they were first seen from, and were not found.
+    pub(super) missed: Vec<LandmarkId>,
 }
 
 impl Searched {
@@ -62,6 +66,12 @@ impl Searched {
         self.sights = kept.iter().map(|&at| self.sights[at]).collect();
         self.claims = kept.iter().map(|&at| self.claims[at].clone()).collect();
     }
+}
+
+/// Whether a pose is near the place from which a landmark was first seen.
+fn is_where_first_seen(point: &SpacePoint, pose: &PoseBox) -> bool {
+    let [x_m, y_m] = [0, 1].map(|axis| pose[axis].mid() - point.anchor.from_m[axis]);
+    x_m.hypot(y_m) <= FIRST_SEEN_M
 }
 
 /// The camera by which landmarks are searched.
@@ -93,6 +103,11 @@ impl Finder {
             };
             if result.is_ok() || notes && (0..2).all(is_in_view) {
                 album.note(one.landmark, &result);
+                // Where more than one place looks alike, it may well be there; and from elsewhere something may always have hidden it.
+                let is_missed = matches!(&result, Err(refusal) if !matches!(refusal, Refusal::Ambiguous { .. }));
+                if is_missed && is_where_first_seen(&one.point, pose) {
+                    searched.missed.push(one.landmark);
+                }
             }
             searched.near_px.push(one.region_px.map(Interval::mid));
             if let Ok(sighting) = result {

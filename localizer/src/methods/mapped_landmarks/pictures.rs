@@ -20,7 +20,7 @@ use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::{self, Assumption},
     graph::Stray,
-    map::SpacePoint,
+    map::{SeenAgain, SpacePoint},
     method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
     quota::{Quota, share_of},
     reading::{Camera, LandmarkId},
@@ -31,7 +31,7 @@ use crate::{
 use super::{
     Learning, PointCameraModel, RECENT_S,
     album::Album,
-    anywhere::is_vague,
+    anywhere::{is_vague, may_be_seen},
     consensus::agreeing,
     few_wrong::FewWrong,
     finding::{Finder, Searched},
@@ -39,6 +39,7 @@ use super::{
     pose_rows::PoseRows,
     ray::Optics,
     relate::Sight,
+    seen_again::Sought,
 };
 
 /// Declared bounds that a constraint from landmarks in pictures relies on.
@@ -128,6 +129,10 @@ pub struct PicturedLandmarks {
     /// Middle of the box of the pose from whose picture landmarks were learnt last.
     learnt_at: Option<[f64; 3]>,
     latest: Option<Seen>,
+    /// Sightings of the latest picture and the landmarks that it should show and does not, until they are counted.
+    looked_for: Option<(Vec<Sight>, Vec<LandmarkId>)>,
+    /// What the drive tells of the landmarks of the map.
+    sought: Sought,
     /// Recent pictures, from which constraints can be made anew: stamp, sightings, and how many of them may be false.
     recent: VecDeque<(f64, Vec<Sight>, usize)>,
 }
@@ -174,6 +179,8 @@ impl PicturedLandmarks {
             album: Album::of(known.points, known.looks),
             learnt_at: None,
             latest: None,
+            looked_for: None,
+            sought: Sought::default(),
             recent: VecDeque::new(),
         }
     }
@@ -184,6 +191,18 @@ impl PicturedLandmarks {
             let [x_m, y_m, turned_rad] = [0, 1, 2].map(|axis| pose[axis].mid() - last[axis]);
             x_m.hypot(y_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
         })
+    }
+
+    /// Counts which landmarks of the map the latest picture shows, if its pose is within a box.
+    fn count(&mut self, shown: &PoseBox) {
+        let Some((sights, missed)) = self.looked_for.take().filter(|_| !shown.is_empty()) else { return };
+        let of_map = |landmark: &LandmarkId| self.album.is_of_map(*landmark);
+        let seen = sights.iter().filter(|sight| of_map(&sight.landmark));
+        let (found, elsewhere): (Vec<&Sight>, Vec<&Sight>) =
+            seen.partition(|sight| may_be_seen(&self.finder.optics, sight, shown));
+        let numbers = |sights: Vec<&Sight>| -> Vec<LandmarkId> { sights.iter().map(|sight| sight.landmark).collect() };
+        let missed: Vec<LandmarkId> = missed.into_iter().filter(of_map).collect();
+        self.sought.count(&numbers(found), &numbers(elsewhere), &missed);
     }
 
     /// The contractor of sightings of which a number may be false.
@@ -230,7 +249,8 @@ impl Method for PicturedLandmarks {
         if !is_anywhere {
             self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, true);
         }
-        let Searched { sights, claims, near_px } = search;
+        let Searched { sights, claims, near_px, missed } = search;
+        self.looked_for = (!is_anywhere).then(|| (sights.clone(), missed));
         let mut new = Vec::new();
         let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
         if learns && sights.len() < ENOUGH {
@@ -303,13 +323,15 @@ impl Memory for PicturedLandmarks {
         self.album.begin_anew();
         self.latest = None;
         self.learnt_at = None;
+        self.looked_for = None;
         self.recent.clear();
     }
 
     fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
-        let Some(Seen { stamp_s, found, new }) = self.latest.take() else { return };
         // The pose that the picture shows.
         let shown = self.stray.around(&posterior.hull());
+        self.count(&shown);
+        let Some(Seen { stamp_s, found, new }) = self.latest.take() else { return };
         let is_known = shown.width(0).max(shown.width(1)) <= KNOWN_M && shown.width(2) <= KNOWN_RAD;
         if shown.is_empty() || !is_known {
             return;
@@ -331,6 +353,10 @@ impl Memory for PicturedLandmarks {
 
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
         self.album.kept().map(|(landmark, entry)| (landmark, entry.point)).collect()
+    }
+
+    fn seen_again(&self) -> Vec<SeenAgain> {
+        self.sought.all()
     }
 
     fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
