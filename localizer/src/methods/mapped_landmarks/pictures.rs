@@ -58,7 +58,7 @@ const RELIES_ON: [Assumption; 12] = [
     bounds::REACH_TURN_RATE,
 ];
 
-/// Greatest number of sightings of a picture that are used; those of landmarks that are known best are.
+/// Greatest number of sightings of a picture that are used.
 const MOST_USED: usize = 18;
 /// Widths of the box of a pose, in metres and in radians, above which some landmarks are searched before the others, and the least number of them
 /// that tells where the others are.
@@ -69,7 +69,7 @@ const FEWEST_FIRST: usize = 4;
 const ENOUGH: usize = 30;
 /// Greatest number of new landmarks that one picture is asked for, known ones included.
 const MOST_NEW: usize = 60;
-/// Least distance, in pixels, of a new landmark from known ones: about the radius of a patch.
+/// Least distance, in pixels, of a new landmark from known ones, and of sightings that are used from each other: about the radius of a patch.
 const APART_PX: f64 = 14.0;
 /// Least distance of the robot, in metres, and least turn, in radians, between two pictures from which landmarks are learnt.
 const NEW_PLACE_M: f64 = 0.12;
@@ -211,6 +211,25 @@ impl PicturedLandmarks {
     }
 }
 
+/// The places of the sightings that are used: those of the landmarks that are known best, of which no two are within a patch of each other in the picture.
+/// What makes one sighting false there, such as a crossing of edges at different depths, makes its neighbours false, too, and they would all count for
+/// the quota.
+fn best_known_apart(sights: &[Sight]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..sights.len()).collect();
+    order.sort_by(|&a, &b| sights[a].better_known_first(&sights[b]));
+    let apart_px = |a: usize, b: usize| {
+        let [du, dv] = [0, 1].map(|axis| sights[a].at_px[axis] - sights[b].at_px[axis]);
+        du.hypot(dv)
+    };
+    let mut used: Vec<usize> = Vec::new();
+    for at in order {
+        if used.len() < MOST_USED && used.iter().all(|&other| apart_px(at, other) >= APART_PX) {
+            used.push(at);
+        }
+    }
+    used
+}
+
 impl Method for PicturedLandmarks {
     fn name(&self) -> &'static str {
         "mapped_landmarks"
@@ -272,9 +291,7 @@ impl Method for PicturedLandmarks {
                 ..Constraint::new(self.name(), *measured_s, self.by_sights(&[], 1))
             });
         }
-        let mut used: Vec<usize> = (0..sights.len()).collect();
-        used.sort_by(|&a, &b| sights[a].better_known_first(&sights[b]));
-        used.truncate(MOST_USED);
+        let used = best_known_apart(&sights);
         let (sights, claims): (Vec<Sight>, Vec<Claim>) =
             used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
         let most_wrong = self.declared.wrong_of(sights.len());
