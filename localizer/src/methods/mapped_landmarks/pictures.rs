@@ -95,7 +95,7 @@ pub struct Declared {
 }
 
 impl Default for Declared {
-    /// Defaults for a furnished room. The quotas are far above the false sightings of that of `scenes/landmarks/room_repeat.toml`, of which 4 in 20 108
+    /// Defaults for a furnished room. The quotas are far above the false sightings of that of `scenes/landmarks/room_repeat.toml`, of which 6 in 17 275
     /// were false: other rooms show more that looks alike.
     fn default() -> Self {
         Declared { wrong_share: 0.05, wrong_items: 1, least_depth_m: 0.4 }
