@@ -8,6 +8,8 @@ use crate::{run::RunRecord, scene::Scene};
 
 /// Landmarks that are nearer to each other than this on the floor plan are told as one place.
 const NEAR_M: f64 = 0.6;
+/// Width of a landmark's box, along any axis, from which on its place is not told.
+const VAGUE_M: f64 = 1.0;
 /// Greatest number of places that are told in words.
 const MOST_PLACES: usize = 6;
 
@@ -27,7 +29,7 @@ pub struct MapSeen {
 pub struct Gone {
     /// Its number on the map.
     pub number: u32,
-    /// World x, y and z of the middle of its box on the map; `None` where its depth may be infinite.
+    /// World x, y and z of the middle of its box on the map; `None` where the map knows its place only vaguely.
     pub at_m: Option<[f64; 3]>,
     /// Number of pictures in which it was found where the map has it.
     pub found: usize,
@@ -44,7 +46,8 @@ impl MapSeen {
         let known = scene.localizer.mapped_landmarks().known;
         let at_m = |landmark: LandmarkId| {
             let (_, point) = *known.as_ref()?.landmarks.iter().find(|(number, _)| *number == landmark)?;
-            Some(point.place_m()?.map(|side| side.mid()))
+            let place_m = point.place_m().filter(|sides| sides.iter().all(|side| side.width() <= VAGUE_M))?;
+            Some(place_m.map(|side| side.mid()))
         };
         let gone = sought.iter().filter(|one| one.is_gone()).map(|one| Gone {
             number: one.landmark.0,
@@ -77,15 +80,14 @@ pub fn in_words(summary: &Value) -> Option<String> {
     let coordinate = |one: &Value, axis: usize| one["at_m"][axis].as_f64();
     let at: Vec<[f64; 2]> = gone.iter().filter_map(|one| Some([coordinate(one, 0)?, coordinate(one, 1)?])).collect();
     let places = places(&at);
-    let told: Vec<String> = places
-        .iter()
-        .take(MOST_PLACES)
-        .map(|([x_m, y_m], n)| format!("{n} around x {x_m:.1} m, y {y_m:.1} m"))
-        .collect();
+    let around = |([x_m, y_m], n): &([f64; 2], usize)| format!("{n} around x {x_m:.1} m, y {y_m:.1} m");
+    let mut told: Vec<String> = places.iter().take(MOST_PLACES).map(around).collect();
     let others: usize = places.iter().skip(MOST_PLACES).map(|(_, n)| n).sum();
-    let others = if others > 0 { format!(", {others} at other places") } else { String::new() };
+    let vague = gone.len() - at.len();
+    let rest = [(others, "at other places"), (vague, "where the map is vague")];
+    told.extend(rest.iter().filter(|(n, _)| *n > 0).map(|(n, place)| format!("{n} {place}")));
     let seem = if gone.len() == 1 { "seems" } else { "seem" };
-    Some(format!("{counts}; {} {seem} to have gone: {}{others}.", gone.len(), told.join(", ")))
+    Some(format!("{counts}; {} {seem} to have gone: {}.", gone.len(), told.join(", ")))
 }
 
 /// The middles of groups of points that are near to each other, with the number of points of each, the largest group first.
@@ -129,6 +131,10 @@ mod tests {
             told,
             "Of 20 landmarks of the map that should have been in view, 15 were seen again; 3 seem to have gone: 2 around x 1.1 m, y 2.0 m, \
              1 around x 4.0 m, y 2.0 m."
+        );
+        let vague = json!({ "number": 4, "at_m": null, "found": 0, "elsewhere": 0, "missed": 9 });
+        assert!(
+            in_words(&seen(json!([vague]))).unwrap().ends_with("; 1 seems to have gone: 1 where the map is vague.")
         );
         assert!(in_words(&seen(json!([]))).unwrap().ends_with("15 were seen again; none seems to have gone."));
         assert_eq!(in_words(&json!({})), None);
