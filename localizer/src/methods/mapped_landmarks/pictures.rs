@@ -38,7 +38,7 @@ use super::{
     lens::PictureLens,
     pose_rows::PoseRows,
     ray::Optics,
-    relate::Sight,
+    relate::{Sight, best_known_apart},
     seen_again::Sought,
 };
 
@@ -211,25 +211,6 @@ impl PicturedLandmarks {
     }
 }
 
-/// The places of the sightings that are used: those of the landmarks that are known best, of which no two are within a patch of each other in the picture.
-/// What makes one sighting false there, such as a crossing of edges at different depths, makes its neighbours false, too, and they would all count for
-/// the quota.
-fn best_known_apart(sights: &[Sight]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..sights.len()).collect();
-    order.sort_by(|&a, &b| sights[a].better_known_first(&sights[b]));
-    let apart_px = |a: usize, b: usize| {
-        let [du, dv] = [0, 1].map(|axis| sights[a].at_px[axis] - sights[b].at_px[axis]);
-        du.hypot(dv)
-    };
-    let mut used: Vec<usize> = Vec::new();
-    for at in order {
-        if used.len() < MOST_USED && used.iter().all(|&other| apart_px(at, other) >= APART_PX) {
-            used.push(at);
-        }
-    }
-    used
-}
-
 impl Method for PicturedLandmarks {
     fn name(&self) -> &'static str {
         "mapped_landmarks"
@@ -291,7 +272,7 @@ impl Method for PicturedLandmarks {
                 ..Constraint::new(self.name(), *measured_s, self.by_sights(&[], 1))
             });
         }
-        let used = best_known_apart(&sights);
+        let used = best_known_apart(&sights, MOST_USED, APART_PX);
         let (sights, claims): (Vec<Sight>, Vec<Claim>) =
             used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
         let most_wrong = self.declared.wrong_of(sights.len());

@@ -43,6 +43,25 @@ impl Sight {
     }
 }
 
+/// The places of at most so many of some sightings: those of the landmarks that are known best, no two of them nearer in the picture than a distance.
+/// What makes one sighting false, such as a crossing of edges at different depths, makes its neighbours false, too, and they would all count for the
+/// number of false ones that is declared.
+pub(super) fn best_known_apart(sights: &[Sight], most: usize, least_px: f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..sights.len()).collect();
+    order.sort_by(|&a, &b| sights[a].better_known_first(&sights[b]));
+    let apart_px = |a: usize, b: usize| {
+        let [du, dv] = [0, 1].map(|axis| sights[a].at_px[axis] - sights[b].at_px[axis]);
+        du.hypot(dv)
+    };
+    let mut used: Vec<usize> = Vec::new();
+    for at in order {
+        if used.len() < most && used.iter().all(|&other| apart_px(at, other) >= least_px) {
+            used.push(at);
+        }
+    }
+    used
+}
+
 /// Image points of landmarks, with what is known of each landmark.
 #[derive(Clone)]
 pub(super) struct Points {
@@ -130,5 +149,26 @@ impl Relations for Points {
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         self.seen.iter().flat_map(|one| self.rows_of(one, frame, domain)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Anchor;
+
+    #[test]
+    fn of_sightings_near_each_other_the_best_known_one_is_taken() {
+        let anchor = Anchor { from_m: [0.0; 3], axis: 0, is_positive: true };
+        let sights = [(0.0, 0.3), (10.0, 0.1), (19.0, 0.2), (30.0, 0.4)].map(|(u_px, half)| Sight {
+            landmark: LandmarkId(u_px as u32),
+            point: SpacePoint { anchor, value: [Interval::centred(0.0, half); 3] },
+            at_px: [u_px, 5.0],
+            error_px: [0.5; 2],
+        });
+        // Those at 0 and 19 px are within 14 px of that at 10 px, which is known better.
+        assert_eq!(best_known_apart(&sights, 9, 14.0), [1, 3]);
+        assert_eq!(best_known_apart(&sights, 9, 9.0), [1, 2, 0, 3]);
+        assert_eq!(best_known_apart(&sights, 2, 9.0), [1, 2]);
     }
 }
