@@ -16,7 +16,7 @@ use sim::{
         Sensor,
         gnss::{DrawnGnss, GnssSensor},
     },
-    judge::Verdict,
+    judge::{AxisWidth, FixWidth, Verdict, post_steps},
     loading::SceneFile,
     run::{RunOptions, RunRecord, run},
     scene::{Distribution, Gnss, Reception, Scene, Station},
@@ -360,4 +360,24 @@ fn a_drive_at_a_station_waits_for_a_position() {
     let width_m = last.pose.hull()[0].width();
     assert!(width_m < 0.2, "{width_m}");
     assert_eq!(verdict.containment.unwrap().contained, record.estimates.len());
+}
+
+#[test]
+fn a_drive_is_bounded_once_more_by_what_was_read_later() {
+    let mut scene = yard();
+    scene.duration_s = 20.0;
+    let (alone, _) = judged(&scene, 5);
+    assert!(alone.post_localized.is_none());
+    scene.localizer.post_window = Some(30);
+    let (record, verdict) = judged(&scene, 5);
+    let post = verdict.post_localization.unwrap();
+    assert!(post.checks >= 15 && post.contained == post.checks && !post.contradictory, "{post:?}");
+    // At the start the heading is known to 20°; the way that follows tells it.
+    let first = &post_steps(&record)[0];
+    assert!(first.pose[2].width() < 0.2 * first.real_time[2].width(), "{first:?}");
+    let narrower = |of: fn(&FixWidth) -> &AxisWidth, least: f64| {
+        of(&post.width).mean < least * of(&post.real_time_width).mean && of(&post.width).mean > 0.0
+    };
+    assert!(narrower(|width| &width.x_m, 0.95) && narrower(|width| &width.y_m, 0.95), "{post:?}");
+    assert!(narrower(|width| &width.heading_rad, 0.8), "{post:?}");
 }

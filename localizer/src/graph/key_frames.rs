@@ -101,9 +101,9 @@ impl KeyFrames {
         self.frames.len()
     }
 
-    /// Boxes of the poses of all key frames, from the first one on.
-    pub fn poses(&self) -> impl Iterator<Item = PoseBox> {
-        self.frames.iter().map(|frame| frame.pose)
+    /// Stamps of all key frames, from the first one on, with boxes of the poses.
+    pub fn poses(&self) -> impl Iterator<Item = (f64, PoseBox)> {
+        self.frames.iter().map(|frame| (frame.stamp_s, frame.pose))
     }
 
     /// So many key frames, from that with the given place among all on, without what came before.

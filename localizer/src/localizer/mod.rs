@@ -39,6 +39,7 @@ use moves::{REACH, assumptions, memory_s, motion_history};
 pub use naming::Contradiction;
 use naming::Naming;
 pub use observed::{Dropped, Observed};
+pub use post::PostLocalized;
 use relating::Graph;
 pub use relating::PoseWidth;
 use ring::{Ring, Slot};
@@ -103,6 +104,8 @@ pub struct Localizer {
     fixes: Option<HeadingFixes>,
     /// Key frames of the drive, with what relates them.
     graph: Graph,
+    /// Number of key frames of a window in which the poses of the drive are bounded once more at its end; `None` if that is not asked for.
+    post_window: Option<usize>,
     /// The names of the latest contradiction, and the work on them.
     naming: Naming,
     /// The wheel encoders' latest count, and the time since which they have had that count.
@@ -132,6 +135,7 @@ impl Localizer {
             set_aside: Vec::new(),
             stale_s: f64::INFINITY,
             fixes: None,
+            post_window: None,
             naming: Naming::default(),
             at_rest: None,
             base_stamp_error_s: 0.0,

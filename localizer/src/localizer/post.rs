@@ -4,10 +4,13 @@
 //! taken in windows that overlap. The linear program of a window has all that the graph relates: the readings at the key frames, the ways between
 //! them, and the constants of the robot, each with one value. It bounds every pose and every landmark in space of the window. With each pass over the
 //! drive the boxes become narrower, so that rows that are made anew lose less.
+//!
+//! A map is made in this way where it is taught. A drive by the map can be looked at in this way, too ([`Localizer::post_localizing`]).
 
 use interval::Interval;
 
 use crate::{
+    PoseBox, PoseUnion,
     graph::{Hull, Variable},
     map::{SeenAgain, SpacePoint},
     reading::LandmarkId,
@@ -16,19 +19,47 @@ use crate::{
 
 use super::Localizer;
 
-/// Number of key frames of a window: with two sensors some twelve seconds. With 40 the landmarks of `scenes/landmarks` have 0.0077 m³ at the median, in
-/// place of 0.0091 m³.
+/// Number of key frames of a window in which a map is made: with two sensors some twelve seconds. With 40 the landmarks of `scenes/landmarks` have
+/// 0.0077 m³ at the median, in place of 0.0091 m³.
 const WINDOW: usize = 24;
-/// Number of key frames from one window to the next.
-const STRIDE: usize = 12;
 /// Number of passes over the drive. There the second one makes the volumes smaller by a tenth to a sixth, the third by some hundredths.
 const PASSES: usize = 3;
 
+/// Poses of a drive, by what was read after them as well as before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PostLocalized {
+    /// Number of key frames of a window.
+    pub window: usize,
+    /// Stamps of key frames, in seconds, with boxes that contain the pose at that time. They begin with the first key frame after the latest doubt
+    /// about an assumption. `None` if the readings contradict each other.
+    pub poses: Option<Vec<(f64, PoseBox)>>,
+}
+
 impl Localizer {
+    /// Keeps all key frames from now on, so that their poses can be bounded once more at the end of the drive ([`Localizer::post_localized`]), in
+    /// windows of so many of them. Memory grows with the length of the drive.
+    pub fn post_localizing(mut self, window: usize) -> Self {
+        self.post_window = Some(window);
+        self.graph.frames.keep_all();
+        self
+    }
+
+    /// The poses at the key frames of the drive so far, bounded by all key frames of their windows; `None` for a localizer that was not made for that.
+    /// The time that this takes grows with the drive and with the square of the window.
+    pub fn post_localized(&mut self) -> Option<PostLocalized> {
+        let window = self.post_window?;
+        let at_stamps = |localizer: &Localizer| -> Vec<(f64, PoseBox)> {
+            let in_true_time = |pose| localizer.in_true_time(&PoseUnion::single(pose)).hull();
+            localizer.graph.frames.poses().map(|(stamp_s, pose)| (stamp_s, in_true_time(pose))).collect()
+        };
+        let poses = self.post_localize(window).then(|| at_stamps(self));
+        Some(PostLocalized { window, poses })
+    }
+
     /// The landmarks in space that all methods know, from a map or learnt. Where a method keeps the whole drive, they are first bounded by all of it,
     /// which takes about as long as the drive's own work did; there are none then if the readings contradict each other.
     pub fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
-        if self.memories().any(|memory| memory.keeps_drive()) && !self.post_localize() {
+        if self.memories().any(|memory| memory.keeps_drive()) && !self.post_localize(WINDOW) {
             return Vec::new();
         }
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.space_points()).collect()
@@ -44,19 +75,20 @@ impl Localizer {
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.looks()).collect()
     }
 
-    /// Bounds the poses at all key frames and the landmarks in space by each other. Returns whether they agree with each other.
-    fn post_localize(&mut self) -> bool {
+    /// Bounds the poses at all key frames and the landmarks in space by each other, in windows of so many key frames of which each shares half with
+    /// the next. Returns whether they agree with each other.
+    fn post_localize(&mut self, window: usize) -> bool {
         self.learn_ways();
         self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
-        let last = self.graph.frames.n_frames().saturating_sub(WINDOW);
+        let last = self.graph.frames.n_frames().saturating_sub(window);
         // The last window ends with the last key frame.
-        let firsts: Vec<usize> = (0..last).step_by(STRIDE).chain([last]).collect();
-        (0..PASSES).all(|_| firsts.iter().all(|&first| self.bound_window(first)))
+        let firsts: Vec<usize> = (0..last).step_by((window / 2).max(1)).chain([last]).collect();
+        (0..PASSES).all(|_| firsts.iter().all(|&first| self.bound_window(first, window)))
     }
 
-    /// Bounds all that the key frames of one window relate, from that with the given place among all on.
-    fn bound_window(&mut self, first: usize) -> bool {
-        let mut frames = self.graph.frames.window(first, WINDOW);
+    /// Bounds all that so many key frames relate, from that with the given place among all on.
+    fn bound_window(&mut self, first: usize, window: usize) -> bool {
+        let mut frames = self.graph.frames.window(first, window);
         for (stamp_s, reading) in frames.readings_mut() {
             let method = self.methods.iter().find(|method| method.name() == reading.source);
             if let Some(anew) = method.and_then(|method| method.memory()?.relations_again(stamp_s)) {

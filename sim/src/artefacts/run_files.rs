@@ -7,6 +7,7 @@
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every box of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
+//! | `post_localization.csv` | boxes at the key frames by what was read later, too, where `localizer.post_window` asks for them |
 //! | `distribution.csv` | mean, covariance and normalised error at every step, for a localizer that states distributions |
 //! | `landmarks.json` | the map of landmarks in space that the localizer knew at the end, if any, for `localizer.mapped_landmarks.map` |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
@@ -170,6 +171,9 @@ pub(crate) const SUBJECT_LOG: &str = "subject.log";
 /// File in the folder of a run with the map of landmarks in space that the localizer knew at the end.
 pub(crate) const LANDMARKS: &str = "landmarks.json";
 
+/// File in the folder of a run with the boxes at its key frames by what was read later, too.
+pub(crate) const POST_LOCALIZATION: &str = "post_localization.csv";
+
 /// Ending of the name of a folder or file that is still being written.
 const PARTIAL: &str = ".partial";
 
@@ -192,6 +196,9 @@ pub(crate) fn fill(
     write("estimate.tum", poses::estimate_tum(&record.estimates))?;
     write("boxes.csv", poses::boxes_csv(&record.estimates))?;
     write("steps.csv", poses::steps_csv(record, verdict))?;
+    if let Some(text) = poses::post_localization_csv(record) {
+        write(POST_LOCALIZATION, text)?;
+    }
     if let Some(text) = poses::distribution_csv(record) {
         write("distribution.csv", text)?;
     }

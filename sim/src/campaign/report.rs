@@ -9,6 +9,7 @@ mod diagram;
 mod files;
 mod heatmap;
 mod incidents;
+mod looked_back;
 mod markdown;
 mod measure;
 mod overview;

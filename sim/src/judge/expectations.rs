@@ -77,7 +77,7 @@ pub fn metric_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Beginnings of the names of figures that only a localizer can have which states boxes.
-const OF_BOXES: [&str; 11] = [
+const OF_BOXES: [&str; 12] = [
     "availability",
     "containment.",
     "error.at_fix.",
@@ -87,6 +87,7 @@ const OF_BOXES: [&str; 11] = [
     "metrics.longest_outside_s",
     "metrics.recovering_share",
     "metrics.wall_fix_",
+    "post_localization.",
     "power.",
     "width.",
 ];
@@ -229,6 +230,7 @@ fn blank_summary() -> Value {
         width: Some(Default::default()),
         power: Some(Default::default()),
         availability: Some(0.0),
+        post_localization: Some(Default::default()),
         distribution: Some(Default::default()),
         latency_s: Some(Default::default()),
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),

@@ -13,6 +13,7 @@ mod distribution;
 mod landmarks;
 mod markers;
 mod methods;
+mod post;
 mod space_points;
 mod statistics;
 mod verdict;
@@ -27,6 +28,7 @@ pub use honesty::honesty;
 pub(crate) use markers::wholly_in_view;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
+pub use post::{PostLocalization, PostStep, post_steps};
 pub(crate) use statistics::{SETTLED_S, errors, fix_width, midpoint};
 pub use verdict::{
     AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Calibration, Containment,
@@ -82,6 +84,7 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
         width: record.has_boxes.then(|| statistics::widths(record)),
         power: record.has_boxes.then(|| statistics::power(record)),
         availability: record.has_boxes.then(|| availability(scene, record)),
+        post_localization: post::post_localization(record),
         distribution: distribution::distribution(record),
         latency_s: latency(&record.ages_s),
         methods: methods::counts(record, &false_claims),

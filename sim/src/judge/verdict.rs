@@ -6,6 +6,8 @@ use serde::Serialize;
 
 use crate::subject::Failure;
 
+use super::post::PostLocalization;
+
 mod distribution;
 
 pub use distribution::{Calibration, Distribution, Nees, Region};
@@ -51,6 +53,9 @@ pub struct Verdict {
     /// Share of the steps at which the localizer doubts no assumption, its boxes hold the truth, and the box around them is narrower than declared;
     /// `None` for a tested localizer (subject) that answers with points.
     pub availability: Option<f64>,
+    /// Boxes at the key frames of the drive by what was read later, too; left out where the scene does not ask for them (`localizer.post_window`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub post_localization: Option<PostLocalization>,
     /// How well the distributions that the localizer states agree with the truth; `None` for a localizer that answers with boxes or points.
     pub distribution: Option<Distribution>,
     /// Age, at each step, of what the localizer's answer takes into account; `None` for a localizer that does not tell.

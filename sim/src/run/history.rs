@@ -6,7 +6,7 @@ use interval::Interval;
 use localizer::{
     Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     bounds::Assumption,
-    localizer::{Contradiction, PoseWidth},
+    localizer::{Contradiction, PoseWidth, PostLocalized},
     map::{SeenAgain, SpacePoint},
     quota::Quota,
     reading::{Camera, LandmarkId},
@@ -61,6 +61,8 @@ pub struct RunRecord {
     pub seen_again: Vec<SeenAgain>,
     /// How the landmarks in space look that the localizer knew by their looks at the end, in the order of their numbers.
     pub looks: Vec<(LandmarkId, Landmark)>,
+    /// The poses of the drive as the localizer told them at its end, by what was read after them as well as before, if it did.
+    pub post_localized: Option<PostLocalized>,
     /// What the localizer under test did wrong so that the run ended, if anything.
     pub subject_failure: Option<Failure>,
     /// What the localizer under test wrote for its author.
@@ -223,6 +225,7 @@ impl RunRecord {
             space_points: Vec::new(),
             seen_again: Vec::new(),
             looks: Vec::new(),
+            post_localized: None,
             subject_failure: None,
             subject_log: None,
             has_boxes: true,

@@ -259,6 +259,12 @@ pub struct LocalizerSetup {
     /// Whether the localizer learns the gyroscope's bias and scale: from the turns between fixes of the heading by other sensors, and, where
     /// `bounds.rest_turn_deg` is stated, also while the robot rests.
     pub learns_gyro: bool,
+    /// Number of key frames of a window in which the poses of a drive are bounded once more at its end, by what was read after them as well as before
+    /// (post-localization, paper 4's PL). A key frame is kept about each second. Of a drive with a doubt only what follows is bounded. Unless given,
+    /// that is not done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 2, max = 1000))]
+    pub post_window: Option<usize>,
     /// An estimate counts as available while its status is sound, its boxes contain the truth, and their hull is narrower than this in x and in y.
     /// Must be less than the width, in x and in y, that the walls leave to the middle of the robot's body.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
@@ -282,6 +288,7 @@ impl Default for LocalizerSetup {
             wall_ranges: None,
             wall_bearings: None,
             learns_gyro: false,
+            post_window: None,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
         }

@@ -10,8 +10,11 @@ use std::{
 
 use localizer::{
     Pose, PoseBox, Reading,
-    localizer::{Account, PoseWidth},
+    localizer::{Account, PoseWidth, PostLocalized},
+    map::{SeenAgain, SpacePoint},
     motion::SlipExcess,
+    reading::LandmarkId,
+    vision::point_features::Landmark,
 };
 
 use super::{Answer, Failure, Subject};
@@ -73,6 +76,22 @@ impl Subject for Interruptible {
 
     fn width_by_bound(&self) -> Option<&PoseWidth> {
         self.inner.width_by_bound()
+    }
+
+    fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
+        self.inner.space_points()
+    }
+
+    fn seen_again(&self) -> Vec<SeenAgain> {
+        self.inner.seen_again()
+    }
+
+    fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
+        self.inner.looks()
+    }
+
+    fn post_localized(&mut self) -> Option<PostLocalized> {
+        self.inner.post_localized()
     }
 
     fn failure(&self) -> Option<&Failure> {

@@ -2,7 +2,7 @@
 
 use localizer::{
     Localizer, Method, PoseBox, Reading,
-    localizer::{Account, PoseWidth},
+    localizer::{Account, PoseWidth, PostLocalized},
     map::{SeenAgain, SpacePoint},
     motion::SlipExcess,
     reading::LandmarkId,
@@ -76,6 +76,10 @@ impl Subject for IntervalLocalizer {
         self.localizer.looks()
     }
 
+    fn post_localized(&mut self) -> Option<PostLocalized> {
+        self.localizer.post_localized()
+    }
+
     fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
         self.localizer.expect_slip(excesses);
     }
@@ -83,8 +87,11 @@ impl Subject for IntervalLocalizer {
 
 /// The localizer that the scene asks for, with the map, robot and bounds that the scene states.
 fn localizer(scene: &Scene) -> Localizer {
-    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
+    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
         .with_base_clock(scene.robot.delivery.stamp_tolerance_s);
+    if let Some(window) = scene.localizer.post_window {
+        localizer = localizer.post_localizing(window);
+    }
     if scene.localizer.learns_gyro {
         localizer.learning_gyro(scene.bounds.rest_turn_deg.map(f64::to_radians))
     } else {

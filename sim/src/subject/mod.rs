@@ -17,7 +17,7 @@ mod tuning;
 use interval::Interval;
 use localizer::{
     Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
-    localizer::{Account, PoseWidth},
+    localizer::{Account, PoseWidth, PostLocalized},
     map::{SeenAgain, SpacePoint},
     motion::SlipExcess,
     reading::LandmarkId,
@@ -95,6 +95,11 @@ pub trait Subject {
     /// How the landmarks in space look that the subject knows by their looks, for a map file; a subject without any need not implement this.
     fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
         Vec::new()
+    }
+
+    /// The poses of the present drive, by what was read after them as well as before; a subject that does not look back need not implement this.
+    fn post_localized(&mut self) -> Option<PostLocalized> {
+        None
     }
 
     /// What the subject did wrong so that it cannot go on, if anything: the run ends at the first failure, and its verdict tells it. A subject that

@@ -141,7 +141,7 @@ fn the_poses_of_a_whole_drive_are_bounded_by_what_came_after_them_and_hold_the_t
         // No key frame was dropped, although they are near each other and many.
         assert_eq!(localizer.graph.frames.n_frames(), 60);
         localizer.space_points();
-        let poses: Vec<PoseBox> = localizer.graph.frames.poses().collect();
+        let poses: Vec<PoseBox> = localizer.graph.frames.poses().map(|(_, pose)| pose).collect();
         for (at, (pose, truth)) in poses.iter().zip(&truth).enumerate() {
             for axis in 0..3 {
                 let holds = pose[axis].inflate(1e-9).contains(truth[axis]);
@@ -163,7 +163,31 @@ fn the_poses_of_a_whole_drive_are_bounded_by_what_came_after_them_and_hold_the_t
 fn a_drive_whose_readings_contradict_each_other_leaves_no_landmarks() {
     let mut draw = Draw::new(20_261_127);
     let (mut localizer, _, _) = after(&mut draw, 0.2);
-    assert!(!localizer.post_localize());
+    assert!(!localizer.post_localize(WINDOW));
+}
+
+#[test]
+fn a_drive_is_told_once_more_with_what_came_later_if_that_was_asked_for() {
+    let mut draw = Draw::new(20_261_129);
+    let (mut localizer, _, truth) = after(&mut draw, 0.0);
+    assert_eq!(localizer.post_localized(), None);
+    let before: Vec<(f64, PoseBox)> = localizer.graph.frames.poses().collect();
+    let mut localizer = localizer.post_localizing(20);
+    let told = localizer.post_localized().unwrap();
+    let poses = told.poses.unwrap();
+    assert_eq!((told.window, poses.len()), (20, 60));
+    for (at, ((stamp_s, pose), truth)) in poses.iter().zip(&truth).enumerate() {
+        assert_eq!(*stamp_s, before[at].0);
+        assert!((0..3).all(|axis| pose[axis].inflate(1e-9).contains(truth[axis])), "{at}: {truth:?} {pose:?}");
+        // Not even the last one is as vague as it was: all others tell something of its heading.
+        assert!((0..3).all(|axis| pose[axis].width() < 0.5 * before[at].1[axis].width()), "{at}: {pose:?}");
+    }
+    // A clock that may be off by a second leaves open where the robot has gone within it.
+    let (localizer, ..) = after(&mut draw, 0.0);
+    let told = localizer.with_base_clock(1.0).post_localizing(20).post_localized().unwrap();
+    assert!(told.poses.unwrap().iter().all(|(_, pose)| pose[0].width() > 0.5));
+    let (localizer, ..) = after(&mut draw, 0.2);
+    assert_eq!(localizer.post_localizing(20).post_localized().unwrap().poses, None);
 }
 
 #[test]

@@ -4,7 +4,10 @@ use std::fmt::Write;
 
 use localizer::{Estimate, Pose, Status};
 
-use crate::{judge::Verdict, run::RunRecord};
+use crate::{
+    judge::{Verdict, post_steps},
+    run::RunRecord,
+};
 
 /// True poses in the TUM format, `time x y z qx qy qz qw` on each line. The body's small tilt is left out.
 pub(super) fn truth_tum(record: &RunRecord) -> String {
@@ -73,6 +76,29 @@ pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The interval errors, box minus truth, at the key frames that were looked back at at the end of the drive, one on each line: by post-localization and
+/// as they were known in real time. They contain 0 where the box holds the truth. `None` if the scene does not ask for them.
+pub(super) fn post_localization_csv(record: &RunRecord) -> Option<String> {
+    record.post_localized.as_ref()?;
+    let mut text = "time_s".to_owned();
+    for kind in ["post", "real_time"] {
+        for axis in ["x_m", "y_m", "heading_rad"] {
+            let _ = write!(text, ",{kind}_{axis}_min,{kind}_{axis}_max");
+        }
+    }
+    text.push('\n');
+    for step in post_steps(record) {
+        let _ = write!(text, "{:.6}", step.time_s);
+        for side in [step.pose, step.real_time] {
+            for (side, truth) in side.components().into_iter().zip(step.truth.to_array()) {
+                let _ = write!(text, ",{:.9},{:.9}", side.lo() - truth, side.hi() - truth);
+            }
+        }
+        text.push('\n');
+    }
+    Some(text)
 }
 
 /// Mean, covariance and normalised error (NEES) of every distribution that the localizer stated, one step on each line; `None` if it stated none. The

@@ -7,7 +7,7 @@ use crate::campaign::cases::{CaseResult, Replay, Results};
 use super::{
     Overview, corridor,
     incidents::{events, incidents},
-    picture,
+    looked_back, picture,
     steps::{self, Step},
     text::{contradictions, first_outside, greatest_parts},
 };
@@ -70,6 +70,7 @@ fn typical(results: &Results) -> Option<&CaseResult> {
 fn told(overview: &Overview, case: &CaseResult) -> Markup {
     let boxes: Vec<Step> = steps::read(&case.folder);
     let steps = if boxes.is_empty() { steps::of_distributions(&case.folder) } else { boxes };
+    let looked_back = looked_back::read(&case.folder);
     html! {
         article {
             h3 { (case.describe(overview.has_scenes)) }
@@ -81,6 +82,14 @@ fn told(overview: &Overview, case: &CaseResult) -> Markup {
             @if !missed.is_empty() { ul { @for line in missed { li { (line) } } } }
             div.plots {
                 figure { (PreEscaped(corridor::to_svg(&steps, &case.summary().map(events).unwrap_or_default()))) }
+                @if !looked_back.is_empty() {
+                    figure {
+                        (PreEscaped(looked_back::to_svg(&looked_back)))
+                        figcaption {
+                            "Box minus truth at the key frames: as known in real time, and by what was read later, too (inner band)."
+                        }
+                    }
+                }
                 @if let Some(address) = picture::data_url(case) {
                     figure { img src=(address) alt="what the camera saw and where the robot is"; }
                 }

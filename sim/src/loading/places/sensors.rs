@@ -20,6 +20,10 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     if robot.gyro.is_none() && localizer.learns_gyro {
         found_at("localizer.learns_gyro", "the robot has none, expected a `[robot.gyro]`".to_owned());
     }
+    if localizer.post_window.is_some() && !scene.stations.is_empty() {
+        let expected = "a robot at `[[station]]`s makes no way, expected a `[route]` or errands";
+        found_at("localizer.post_window", expected.to_owned());
+    }
     if let Some(walls) = &localizer.wall_directions
         && !walls.learns
         && walls.mapped_deg.as_ref().is_some_and(Vec::is_empty)
