@@ -22,14 +22,32 @@ const MOST_WHITE: f64 = 0.05;
 pub(super) fn of(scene: &Scene, found: &SceneCheck) -> Vec<String> {
     let mut doubts = scene.remarks();
     doubts.extend(anywhere(scene));
+    let lacks_map = lacks_map(scene);
+    if lacks_map && scene.localizer.methods.len() == 1 {
+        doubts.push(MAP_MISSING.to_owned());
+    }
+    let needs_map = |method: &MethodCheck| lacks_map && method.method == MAPPED_LANDMARKS;
     for camera in &found.cameras {
         doubts.extend(overexposed(camera));
         doubts.extend(markers(camera));
-        doubts.extend(camera.methods.iter().filter_map(|method| never(camera, method)));
+        let told = camera.methods.iter().filter(|method| !needs_map(method));
+        doubts.extend(told.filter_map(|method| never(camera, method)));
         doubts.extend(camera.methods.iter().filter_map(|method| claims(camera, method)));
     }
-    doubts.extend(places(found));
+    // Without a map, pictures of single places say nothing of what the method will see.
+    doubts.extend(places(found).filter(|_| doubts.iter().all(|doubt| doubt != MAP_MISSING)));
     doubts
+}
+
+/// The method that locates the robot by landmarks of a map, by its name.
+const MAPPED_LANDMARKS: &str = "mapped_landmarks";
+/// The doubt about a scene whose only method needs a map and has none.
+const MAP_MISSING: &str = "`localizer.mapped_landmarks.map`: without a map, single pictures tell nothing about the pose; expected the map that `wherein repeat` \
+                           will give the scene, as with `--set localizer.mapped_landmarks.map=FILE`";
+
+/// Whether landmarks are to be seen in pictures, and no map tells of any.
+fn lacks_map(scene: &Scene) -> bool {
+    scene.localizer.methods.contains(&MethodName::MappedLandmarks) && scene.localizer.mapped_landmarks().known.is_none()
 }
 
 /// Ceiling markers tell a robot that is put down anywhere where it is, if every room has some.
