@@ -381,3 +381,17 @@ fn a_drive_is_bounded_once_more_by_what_was_read_later() {
     assert!(narrower(|width| &width.x_m, 0.95) && narrower(|width| &width.y_m, 0.95), "{post:?}");
     assert!(narrower(|width| &width.heading_rad, 0.8), "{post:?}");
 }
+
+#[test]
+fn a_window_of_one_key_frame_and_a_robot_that_makes_no_way_are_not_looked_back_at() {
+    let refusal = |text: &str| Scene::parse(text, "scene.toml").unwrap_err().to_string();
+    let text = scene_text("gnss.toml").replace("[localizer]", "[localizer]\npost_window = 1");
+    let error = refusal(&text);
+    assert!(error.contains("localizer.post_window = 1") && error.contains("from 2 to 1000"), "{error}");
+    let mut stations: toml::Table = text.replace("post_window = 1", "post_window = 9").parse().unwrap();
+    stations.remove("route").unwrap();
+    let station = toml::Table::from_iter([("x_m", 2.0), ("y_m", 2.0)].map(|(key, at_m)| (key.to_owned(), at_m.into())));
+    stations.insert("station".to_owned(), toml::Value::Array(vec![station.into()]));
+    let error = refusal(&stations.to_string());
+    assert!(error.contains("localizer.post_window") && error.contains("`[route]` or errands"), "{error}");
+}

@@ -260,8 +260,8 @@ pub struct LocalizerSetup {
     /// `bounds.rest_turn_deg` is stated, also while the robot rests.
     pub learns_gyro: bool,
     /// Number of key frames of a window in which the poses of a drive are bounded once more at its end, by what was read after them as well as before
-    /// (post-localization, paper 4's PL). A key frame is kept about each second. Of a drive with a doubt only what follows is bounded. Unless given,
-    /// that is not done.
+    /// (post-localization, paper 4's PL). A key frame is kept about each second; none is dropped on the way, so that estimates differ a little from
+    /// those without this key. Of a drive with a doubt only what follows is bounded. Unless given, that is not done.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 2, max = 1000))]
     pub post_window: Option<usize>,

@@ -135,3 +135,63 @@ fn places(found: &SceneCheck) -> Option<String> {
         )
     })
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::LandmarkMap;
+
+    /// What a camera showed that tells a method nothing about the pose, at ten places.
+    fn nothing_told_to(methods: &[&'static str]) -> SceneCheck {
+        let method = |&method: &&'static str| MethodCheck {
+            method,
+            pictures: 10,
+            constraints: 0,
+            claims: 0,
+            false_claims: 0,
+            beyond_quota: 0,
+        };
+        let camera = CameraCheck {
+            camera: "forward",
+            exposure_s: [0.01; 2],
+            mean_grey: [90.0; 2],
+            white_share_max: 0.0,
+            markers_in_view: None,
+            markers_read: None,
+            pictures_with_marker: None,
+            methods: methods.iter().map(method).collect(),
+        };
+        SceneCheck {
+            seed: 0,
+            n_places: 10,
+            way_m: Some(5.0),
+            floor_lux: [300.0; 2],
+            places_with_constraint: 0,
+            without_position: Vec::new(),
+            cameras: vec![camera],
+            doubts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_scene_that_gets_its_map_later_is_told_how_to_be_checked_with_one() {
+        let mut scene = Scene::default();
+        scene.localizer.methods = vec![MethodName::MappedLandmarks];
+        scene.robot.forward_camera = Some(Default::default());
+        let found = nothing_told_to(&[MAPPED_LANDMARKS]);
+        assert_eq!(of(&scene, &found), [MAP_MISSING]);
+        // A scene that teaches a map has another method, which is looked at alone.
+        scene.localizer.methods = vec![MethodName::WallDirections, MethodName::MappedLandmarks];
+        let doubts = of(&scene, &nothing_told_to(&["wall_directions", MAPPED_LANDMARKS]));
+        assert_eq!(doubts.iter().filter(|doubt| doubt.contains("learns nothing")).count(), 1, "{doubts:?}");
+        assert!(doubts.iter().all(|doubt| !doubt.contains(MAPPED_LANDMARKS)), "{doubts:?}");
+        // With a map, pictures that tell nothing are doubtful.
+        scene.localizer.methods = vec![MethodName::MappedLandmarks];
+        let (landmarks, looks) = (Vec::new(), Vec::new());
+        let known = LandmarkMap { room_m: [5.0; 2], relies_on: Vec::new(), landmarks, looks };
+        scene.localizer.mapped_landmarks.get_or_insert_default().known = Some(known);
+        let doubts = of(&scene, &found);
+        assert!(doubts.len() == 2 && doubts[0].contains("`mapped_landmarks` learns nothing"), "{doubts:?}");
+    }
+}
