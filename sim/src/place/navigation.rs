@@ -3,6 +3,9 @@
 mod grid;
 pub mod map_server;
 mod planner;
+pub mod reeds_shepp;
+mod curve_planner;
 
 pub use crate::scene::{Cell, OccupancyGrid};
+pub use curve_planner::CurvePlanner;
 pub use planner::{Planner, Reach, length_m};

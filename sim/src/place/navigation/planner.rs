@@ -1,6 +1,6 @@
 //! The shortest path of a round robot through an occupancy grid: A* over cells, then a polyline with few corners.
 
-use pathfinding::prelude::{astar, bfs_reach};
+use pathfinding::prelude::{astar, bfs_reach, dijkstra_reach};
 
 use crate::scene::Scene;
 
@@ -17,12 +17,13 @@ const ACROSS: u32 = 14_143;
 const CORNER_M: f64 = 1e-6;
 
 /// Greatest distance to a free cell at which a path may begin when the robot itself stands too near to an obstacle.
-const GET_AWAY_M: f64 = 0.3;
+pub(super) const GET_AWAY_M: f64 = 0.3;
 
 /// Planner of paths on a grid, for a robot of a given radius.
 #[derive(Clone, Debug)]
 pub struct Planner {
     grid: OccupancyGrid,
+    keep_away_m: f64,
     /// For each cell, whether the robot's centre may be there.
     open: Vec<bool>,
 }
@@ -44,7 +45,7 @@ impl Planner {
     pub fn new(grid: OccupancyGrid, keep_away_m: f64) -> Planner {
         let cells = (0..grid.size[1]).flat_map(|row| (0..grid.size[0]).map(move |column| [column, row]));
         let open = cells.map(|cell| !grid.is_crowded(grid.centre_m(cell), keep_away_m)).collect();
-        Planner { grid, open }
+        Planner { grid, keep_away_m, open }
     }
 
     /// Returns the grid that the planner works on.
@@ -86,6 +87,40 @@ impl Planner {
         self.nearest_open(from_m).map(|start| self.reach_of(start))
     }
 
+    /// For each cell, the length of the shortest path over cells from it to a place, infinite where there is none; `None` when the place itself is
+    /// too near to an obstacle.
+    pub(super) fn lengths_to(&self, to_m: [f64; 2]) -> Option<Vec<f64>> {
+        let goal = self.grid.cell_at(to_m).filter(|&cell| self.is_open(cell))?;
+        let mut lengths_m = vec![f64::INFINITY; self.open.len()];
+        for reached in dijkstra_reach(&goal, |&cell| self.neighbours(cell)) {
+            lengths_m[self.index(reached.node)] =
+                f64::from(reached.total_cost) / f64::from(STRAIGHT) * self.grid.resolution_m;
+        }
+        Some(lengths_m)
+    }
+
+    /// Distance that a place has from every obstacle, rounded down, where it is less than the planner keeps; `None` where it is not.
+    pub(super) fn kept_m(&self, place_m: [f64; 2]) -> Option<f64> {
+        let steps = (0..20).rev().map(|step| self.keep_away_m * f64::from(step) / 20.0);
+        let mut kept_m = steps.skip_while(|distance_m| self.grid.is_crowded(place_m, *distance_m));
+        (!self.is_open_at(place_m)).then(|| kept_m.next().unwrap_or(0.0))
+    }
+
+    /// Whether the robot's centre may be at a place.
+    pub(super) fn is_open_at(&self, place_m: [f64; 2]) -> bool {
+        self.index_at(place_m).is_some_and(|index| self.open[index])
+    }
+
+    /// Index of the cell at a place, `None` beyond the map.
+    pub(super) fn index_at(&self, place_m: [f64; 2]) -> Option<usize> {
+        self.grid.cell_at(place_m).map(|cell| self.index(cell))
+    }
+
+    /// Index of a cell, row by row.
+    pub(super) fn index(&self, [column, row]: [usize; 2]) -> usize {
+        row * self.grid.size[0] + column
+    }
+
     fn reach_of(&self, start: [usize; 2]) -> Reach {
         let mut is_reached = vec![false; self.open.len()];
         for [column, row] in bfs_reach(start, |&cell| self.neighbours(cell).into_iter().map(|(next, _)| next)) {
@@ -98,7 +133,8 @@ impl Planner {
         column < self.grid.size[0] && row < self.grid.size[1] && self.open[row * self.grid.size[0] + column]
     }
 
-    fn nearest_open(&self, place_m: [f64; 2]) -> Option<[usize; 2]> {
+    /// The cell nearest to a place in which the robot's centre may be; `None` if there is none close by.
+    pub(super) fn nearest_open(&self, place_m: [f64; 2]) -> Option<[usize; 2]> {
         let middle = self.grid.cell_at(place_m)?;
         if self.is_open(middle) {
             return Some(middle);
