@@ -263,6 +263,15 @@ fn a_push_and_a_lift_put_a_car_where_the_hand_means_to() {
     }
 }
 
+/// The route of the scene of [`refusal`].
+const ROUTE: &str = r#"[route]
+waypoint = [
+    { x_m = 9.0, y_m = 2.0 },
+    { x_m = 9.0, y_m = 6.0 },
+    { x_m = 2.0, y_m = 6.0 },
+]
+"#;
+
 /// Key, value and expectation of the first problem of a car's scene in which `from` is replaced by `to`.
 fn refusal(from: &str, to: &str) -> String {
     let text = r#"
@@ -279,13 +288,8 @@ body_radius_m = 0.55
 [robot.base]
 kind = "ackermann"
 track_m = 0.4
-[route]
-waypoint = [
-    { x_m = 9.0, y_m = 2.0 },
-    { x_m = 9.0, y_m = 6.0 },
-    { x_m = 2.0, y_m = 6.0 },
-]
 "#;
+    let text = [text, ROUTE].concat();
     assert!(text.contains(from));
     match Scene::parse(&text.replace(from, to), "car.toml") {
         Err(error @ SceneError::Invalid { .. }) => error.to_string(),
@@ -313,8 +317,17 @@ fn drives_that_a_car_cannot_do_are_refused_with_file_key_value_and_expectation()
             "[robot.base.ackermann]\nmax_steering_deg = 60\nwheelbase_m = 0.3\n[route]",
             ["max_steering_deg", "60", "expected a smaller angle"],
         ),
-        ("[route]", "[navigation]\nrandom_goals = 2\n[route]", ["navigation.random_goals", "2", "expected 0"]),
-        ("[route]", "[[errand]]\nx_m = 5.0\ny_m = 2.0\n[route]", ["robot.base.kind", "ackermann", "no errands"]),
+        (
+            ROUTE,
+            "[navigation]\nfollower = \"turn_then_drive\"\n[[errand]]\nx_m = 5.0\ny_m = 2.0\n",
+            ["navigation.follower", "turn_then_drive", "expected \"pure_pursuit\""],
+        ),
+        // A wall leaves 1.2 m, which the body takes with its margins.
+        (
+            ROUTE,
+            "[[furniture]]\nx_m = 6.0\ny_m = 3.4\nsize_m = [0.1, 6.8]\n[[errand]]\nx_m = 9.0\ny_m = 2.0\n",
+            ["errand[0].x_m", "9.0", "expected one with 0.63 m to either side"],
+        ),
     ] {
         let message = refusal(from, to);
         let all = ["car.toml"].into_iter().chain(said);

@@ -109,6 +109,8 @@ mod base_clock;
 mod world_drifts;
 /// Tests of the car as a base against closed forms: steering, slip, its rear wheels as the localizer reads them, its driver, and refused drives.
 mod cars;
+/// Tests of a car's errands: planned curves against geometry worked out by hand, the law that follows them, jumps of the estimate, things in the way.
+mod car_errands;
 /// Tests of routes that the robot drives by estimated poses, and of the default bounds on such a drive.
 mod world_driver;
 /// Tests of occupancy grids, paths through them and their files, against maps drawn by hand and the rules of ROS's map_server.

@@ -273,7 +273,7 @@ fn a_box_off_the_map_is_waited_for_and_driven_round() {
 
 /// Drives errands with true poses as estimates and the scans of the scanner. Returns the errands' log and
 /// the least clearance of the robot.
-fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
+pub(crate) fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
     let drawn = nominal(scene);
     let (mut world, mut driver) = (World::new(scene, &drawn), ErrandDriver::new(scene, &[]));
     let mut sensors = Sensors::new(scene, seed, &drawn, None);

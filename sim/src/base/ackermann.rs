@@ -48,7 +48,10 @@ impl Drivetrain for Ackermann {
     }
 
     fn turning_circle(&self) -> Option<TurningCircle> {
-        Some(TurningCircle { radius_m: self.wheelbase_m / self.max_steering_deg.to_radians().tan() })
+        Some(TurningCircle {
+            radius_m: self.wheelbase_m / self.max_steering_deg.to_radians().tan(),
+            lock_to_lock_s: 2.0 * self.max_steering_deg / self.steering_rate_deg_per_s,
+        })
     }
 }
 

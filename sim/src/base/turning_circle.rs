@@ -12,11 +12,16 @@ const MOST_ASIDE_RAD: f64 = FRAC_PI_2;
 /// Sharpest corner of a route: a robot that drives no closer circle leaves a sharper one by far.
 const SHARPEST_CORNER_RAD: f64 = 2.0;
 
+/// Radius of the circles on which paths are planned, over that of the smallest circle: what is left lets the robot steer back to a path beside it.
+const PLANNED_OVER_SMALLEST: f64 = 1.1;
+
 /// The smallest circle that the middle of the axle can drive, to either side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TurningCircle {
     /// Radius of the circle.
     pub(crate) radius_m: f64,
+    /// Time in which the base steers from the circle to one side to that to the other.
+    pub(crate) lock_to_lock_s: f64,
 }
 
 /// A waypoint of a route that a robot with a turning circle cannot drive to as the route asks, and why.
@@ -31,6 +36,11 @@ pub(crate) struct OffLimits {
 }
 
 impl TurningCircle {
+    /// Radius of the smallest circle on which paths are planned.
+    pub(crate) fn planned_radius_m(&self) -> f64 {
+        PLANNED_OVER_SMALLEST * self.radius_m
+    }
+
     /// The first waypoint of a route that a robot cannot drive to as the route asks when it starts at a pose.
     ///
     /// At a corner of angle θ an arc of radius R touches both legs at a distance R·tan(θ/2) from the waypoint. These distances at both ends of a leg

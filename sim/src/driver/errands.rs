@@ -9,17 +9,14 @@ use crate::{
     scene::{Navigation, Scene},
 };
 
-use super::{
-    CREEP_M_PER_S, Driver, Wish,
-    surroundings::Surroundings,
-    turn_then_drive::{TurnThenDrive, bearing},
-};
+use super::{CREEP_M_PER_S, Driver, Wish, surroundings::Surroundings, turn_then_drive::bearing};
 
 mod log;
 mod patience;
 mod way;
 
 pub use log::{ErrandLog, ErrandRecord, Leg, Outcome};
+use way::Law;
 
 /// Width in x or y of the estimate's hull (the smallest box around all boxes of the estimate) beyond which a robot on errands does not set out:
 /// it stands and looks around.
@@ -49,7 +46,7 @@ const YIELDED_S: f64 = 3.0;
 #[derive(Clone, Debug)]
 pub struct ErrandDriver {
     follower: Driver,
-    law: Option<TurnThenDrive>,
+    law: Option<Law>,
     navigation: Navigation,
     planner: Planner,
     keep_away_m: f64,
@@ -140,10 +137,11 @@ impl ErrandDriver {
             // The path was planned from a position that proves wrong, so that a new one is needed.
             self.task = Task::Plan;
         }
-        let wish = if hull.is_empty() || is_lost || estimate.status != Status::Sound {
+        let stands = hull.is_empty() || is_lost || (estimate.status != Status::Sound && !self.creeps_in_doubt(time_s));
+        let wish = if stands {
             self.doubt(hull.is_empty(), time_s)
         } else {
-            self.doubts_since_s = None;
+            self.doubts_since_s = self.doubts_since_s.filter(|_| estimate.status != Status::Sound);
             self.pursue(&hull, time_s)
         };
         self.follower.actuate(wish)
@@ -173,11 +171,19 @@ impl ErrandDriver {
         Wish { speed_m_per_s: 0.0, turn_rad_per_s }
     }
 
+    /// Whether a robot whose localizer has been recovering for a while drives on nevertheless, because its base cannot turn about to see more.
+    fn creeps_in_doubt(&self, time_s: f64) -> bool {
+        self.follower.circle.is_some() && self.doubts_since_s.is_some_and(|since_s| time_s - since_s >= DOUBT_S)
+    }
+
     fn pursue(&mut self, hull: &PoseBox, time_s: f64) -> Wish {
         self.note_motion(time_s);
         match self.task {
             Task::Plan => {
-                self.plan(time_s);
+                // A path with a turning circle begins at a pose, so that the robot first comes to rest.
+                if self.follower.circle.is_none() || self.follower.speed.value() == 0.0 {
+                    self.plan(time_s);
+                }
                 Wish::default()
             }
             Task::Follow | Task::Yield => self.follow(hull, time_s),
@@ -203,6 +209,9 @@ impl ErrandDriver {
 
     fn follow(&mut self, hull: &PoseBox, time_s: f64) -> Wish {
         let wish = self.steer(time_s);
+        if self.task == Task::Plan {
+            return Wish::default();
+        }
         if self.is_at_the_end() {
             if self.task == Task::Yield {
                 self.log.end_leg(time_s);
@@ -212,12 +221,13 @@ impl ErrandDriver {
             }
             return Wish::default();
         }
-        let acceleration_m_per_s2 = self.follower.scene.robot.max_acceleration_m_per_s2;
-        let limit_m_per_s = self.surroundings.speed_limit_m_per_s(self.follower.speed.value(), acceleration_m_per_s2);
-        let wants_on = wish.speed_m_per_s > 0.0;
+        let limit_m_per_s = self.clear_m_per_s(self.follower.speed.value());
+        let wants_on = wish.speed_m_per_s != 0.0;
         let is_bumped = wants_on && time_s - self.moved.since_s > STUCK_S;
         if is_bumped {
-            self.surroundings.bump(self.follower.pose, time_s);
+            let pose = self.follower.pose;
+            let behind_rad = if wish.speed_m_per_s < 0.0 { std::f64::consts::PI } else { 0.0 };
+            self.surroundings.bump(Pose { heading_rad: pose.heading_rad + behind_rad, ..pose }, time_s);
         }
         if is_bumped || (wants_on && limit_m_per_s < CREEP_M_PER_S) {
             let since_s = *self.blocked_since_s.get_or_insert(time_s);
@@ -230,8 +240,10 @@ impl ErrandDriver {
         // The robot drives at full speed as long as half the width of the estimate's hull fits into the margin on either side of the planned
         // path.
         let width_m = hull.width(0).max(hull.width(1));
-        let share = (2.0 * self.navigation.margin_m / width_m).clamp(LEAST_SHARE, 1.0);
-        Wish { speed_m_per_s: (share * wish.speed_m_per_s).min(limit_m_per_s), ..wish }
+        let most = if self.doubts_since_s.is_some() { LEAST_SHARE } else { 1.0 };
+        let share = (2.0 * self.navigation.margin_m / width_m).clamp(LEAST_SHARE, most);
+        let speed_m_per_s = (share * wish.speed_m_per_s.abs()).min(limit_m_per_s).copysign(wish.speed_m_per_s);
+        Wish { speed_m_per_s, ..wish }
     }
 
     /// Ends an errand at the end of a path: the goal counts as reached if the middle of the estimated box is within the tolerance. Otherwise a

@@ -15,6 +15,7 @@ use crate::{
 };
 
 mod caution;
+mod curve_pursuit;
 mod errands;
 mod path;
 mod pilot;

@@ -87,6 +87,33 @@ impl Surroundings {
         self.ends_m.iter().map(limit).fold(f64::INFINITY, f64::min)
     }
 
+    /// Greatest speed from which the robot, braking with half of the given acceleration, stops before anything on its path: points ahead, each with
+    /// the length of the path to it.
+    pub(super) fn speed_limit_along_m_per_s(
+        &self,
+        pose: Pose,
+        ahead: &[([f64; 2], f64)],
+        speed_m_per_s: f64,
+        acceleration_m_per_s2: f64,
+    ) -> f64 {
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        let in_robot = |[x_m, y_m]: [f64; 2]| {
+            let (x_m, y_m) = (x_m - pose.x_m, y_m - pose.y_m);
+            [cos * x_m + sin * y_m, cos * y_m - sin * x_m]
+        };
+        let ahead: Vec<([f64; 2], f64)> = ahead.iter().map(|(at_m, length_m)| (in_robot(*at_m), *length_m)).collect();
+        let limit = |(end_m, is_known): &([f64; 2], bool)| {
+            let side_m = self.body_radius_m + BESIDE_M[usize::from(*is_known)];
+            // What is beside the robot already is in its way only if the path leads towards it.
+            let near_m = side_m.min(end_m[0].hypot(end_m[1]) - 1e-3);
+            let is_near = |at_m: &[f64; 2]| (at_m[0] - end_m[0]).hypot(at_m[1] - end_m[1]) < near_m;
+            let Some((_, free_m)) = ahead.iter().find(|(at_m, _)| is_near(at_m)) else { return f64::INFINITY };
+            let left_m = free_m - GAP_M[usize::from(*is_known)] - REACTION_S * speed_m_per_s;
+            (acceleration_m_per_s2 * left_m.max(0.0)).sqrt()
+        };
+        self.ends_m.iter().map(limit).fold(f64::INFINITY, f64::min)
+    }
+
     /// Distance of a point from the nearest obstacle seen that is not on the map; infinite if there is none.
     pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let places_m = self.seen.keys().map(|cell| self.map.centre_m(*cell));

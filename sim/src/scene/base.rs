@@ -11,7 +11,8 @@ macro_rules! with_every_base {
             /// Differential drive: the two wheels of the axle are driven, each by a motor of its own, and two casters keep the body level.
             Differential: differential,
             /// Car: the two wheels of the axle are its rear wheels, each driven by a motor of its own; the two front wheels roll freely and are steered.
-            /// It cannot turn in place, and drives routes, not errands.
+            /// It cannot turn in place: routes that do not fit its turning circle are refused, and on errands it drives in curves, forwards and
+            /// backwards.
             Ackermann: ackermann unless "Ackermann::is_usual",
         }
     };

@@ -42,10 +42,11 @@ pub struct Navigation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FollowerName {
-    /// Steers towards a point of the path some decimetres ahead, so that small corners become curves.
+    /// Steers towards a point of the path some decimetres ahead, so that small corners become curves. A car follows planned curves so, forwards and
+    /// backwards.
     #[default]
     PurePursuit,
-    /// Paper 5's law: turns towards the next corner of the path, then drives there.
+    /// Paper 5's law: turns towards the next corner of the path, then drives there. A car cannot.
     TurnThenDrive,
 }
 

@@ -31,8 +31,7 @@ impl ErrandDriver {
         if time_s - self.got_on.since_s > YIELD_S && self.make_way(time_s) {
             return;
         }
-        let acceleration_m_per_s2 = self.follower.scene.robot.max_acceleration_m_per_s2;
-        let limit_m_per_s = self.surroundings.speed_limit_m_per_s(0.0, acceleration_m_per_s2);
+        let limit_m_per_s = self.clear_m_per_s(0.0);
         if time_s - since_s >= self.navigation.patience_s {
             self.task = Task::Plan;
         } else if limit_m_per_s > 0.5 * self.navigation.speed_m_per_s && self.log.has_leg() {
@@ -51,11 +50,9 @@ impl ErrandDriver {
         let places_m = reach.centres_m().into_iter().filter(is_near);
         let way = places_m
             .max_by(|one, other| room_m(one).total_cmp(&room_m(other)))
-            .and_then(|place_m| planner.plan(here_m, place_m));
-        let Some(corners_m) = way else { return false };
-        self.set_out(&corners_m);
-        self.log.end_leg(time_s);
-        self.log.begin_leg(corners_m, time_s);
+            .and_then(|place_m| self.way(&planner, place_m));
+        let Some(way) = way else { return false };
+        self.set_out(way, time_s);
         self.got_on.since_s = time_s;
         self.moved.since_s = time_s;
         self.blocked_since_s = None;
@@ -75,7 +72,7 @@ impl ErrandDriver {
             self.blocked_since_s = None;
         }
         // A robot that stands on purpose or turns in place counts as moved, so that it is not taken to have run into something.
-        if self.follower.speed.value() < CREEP_M_PER_S {
+        if self.follower.speed.value().abs() < CREEP_M_PER_S {
             self.moved.since_s = time_s;
         }
     }

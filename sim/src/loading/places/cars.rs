@@ -3,7 +3,7 @@
 use crate::{
     base::TurningCircle,
     loading::contradiction::Contradiction,
-    scene::{BaseKind, Scene},
+    scene::{BaseKind, FollowerName, Scene},
 };
 
 /// Dimensions of a car that do not fit together, and drives that a car cannot do.
@@ -16,17 +16,9 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let mut refuse = |key: &str, expected: &str| {
         found.push(Contradiction { key: key.to_owned(), expected: expected.to_owned() });
     };
-    if !scene.errands.is_empty() {
-        refuse(
-            "robot.base.kind",
-            "a car drives no errands, expected \"differential\", or a `[route]` in place of the errands",
-        );
-    }
-    if scene.navigation().random_goals > 0 {
-        refuse(
-            "navigation.random_goals",
-            "a car drives no errands, expected 0, or `robot.base.kind = \"differential\"`",
-        );
+    if scene.has_errands() && scene.navigation().follower == FollowerName::TurnThenDrive {
+        let expected = "a car cannot turn in place, expected \"pure_pursuit\", or `robot.base.kind = \"differential\"`";
+        refuse("navigation.follower", expected);
     }
     if scene.start.anywhere {
         let expected = "true with a car, which cannot look around in place, expected false, or \

@@ -1,6 +1,11 @@
 //! Contradictions about errands that the robot cannot drive.
 
-use crate::{loading::contradiction::Contradiction, place::navigation::Planner, scene::Scene};
+use crate::{
+    base::TurningCircle,
+    loading::contradiction::Contradiction,
+    place::navigation::{CurvePlanner, Planner},
+    scene::Scene,
+};
 
 /// Errands with the same name, and goals to which no path leads.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
@@ -36,9 +41,32 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found.push(Contradiction { key: format!("errand[{index}].x_m"), expected });
         }
     }
+    if found.is_empty()
+        && let Some(circle) = scene.robot.base.drivetrain().turning_circle()
+    {
+        ways_in_curves(scene, &planner, circle, found);
+    }
     if navigation.random_goals > 0 && reach.n_cells() < 2 {
         let expected = "there is nowhere to go, expected free floor about the start".to_owned();
         found.push(Contradiction { key: "navigation.random_goals".to_owned(), expected });
+    }
+}
+
+/// Goals to which no path leads that a base with a turning circle could drive, from the pose at the goal before.
+fn ways_in_curves(scene: &Scene, planner: &Planner, circle: TurningCircle, found: &mut Vec<Contradiction>) {
+    let planner = CurvePlanner::new(planner, circle.planned_radius_m());
+    let mut pose = scene.nominal_start();
+    for (index, errand) in scene.errands.iter().enumerate() {
+        let Some(arcs) = planner.plan(pose, [errand.x_m, errand.y_m]) else {
+            let expected = format!(
+                "no way leads to this goal for a turning circle of radius {:.2} m, expected one in curves with {}",
+                circle.radius_m,
+                room_needed(scene)
+            );
+            found.push(Contradiction { key: format!("errand[{index}].x_m"), expected });
+            return;
+        };
+        pose = arcs.iter().fold(pose, |pose, arc| arc.end(pose));
     }
 }
 
