@@ -130,8 +130,11 @@ impl PointMatching {
     /// The matches of a picture, each with the position of its keypoint in pixels, and the pose that enough of them agree on near the predicted one.
     fn found(&self, image: &GrayImage, predicted: &WeightedPose) -> (Vec<Seen>, Option<(WeightedPose, Vec<bool>)>) {
         let size_px = [image.width(), image.height()].map(f64::from);
-        let in_view: Vec<&(SpacePoint, Landmark)> =
-            self.landmarks.iter().filter(|(point, _)| self.may_be_seen(predicted.pose, point, size_px)).collect();
+        let in_view: Vec<&(SpacePoint, Landmark)> = self
+            .landmarks
+            .iter()
+            .filter(|(point, look)| self.may_be_seen(predicted.pose, point, look, size_px))
+            .collect();
         let looks: Vec<&Landmark> = in_view.iter().map(|(_, look)| look).collect();
         let seen = |matched: Vec<PointMatch>| -> Vec<Seen> {
             let seen = |one: PointMatch| {
@@ -166,12 +169,13 @@ impl PointMatching {
     }
 
     /// Whether the camera may see a landmark from about a pose, from a direction and a distance from which it looks much the same.
-    fn may_be_seen(&self, pose: Pose, point: &SpacePoint, size_px: [f64; 2]) -> bool {
+    fn may_be_seen(&self, pose: Pose, point: &SpacePoint, look: &Landmark, size_px: [f64; 2]) -> bool {
         let most_ratio = Frame::most_matched_ratio();
+        let enlargement = look.enlargement(self.camera.focal_px());
         self.camera.shown(pose, point).is_some_and(|shown| {
             (0..2).all(|axis| (-BEYOND_PX..size_px[axis] + BEYOND_PX).contains(&shown.at_px[axis]))
                 && shown.cosine >= LEAST_COSINE
-                && (1.0 / most_ratio..=most_ratio).contains(&shown.ratio)
+                && (1.0 / most_ratio..=most_ratio).contains(&(shown.ratio / enlargement))
         })
     }
 

@@ -18,8 +18,11 @@ use super::navigation::map_server::MapError;
 
 /// Name of the format, which every file states.
 const FORMAT: &str = "wherein landmark map";
-/// Latest version of the format: landmarks have looks. A map without looks is written in version 1, which is otherwise the same.
-const VERSION: u64 = 2;
+/// Latest version of the format: landmarks have looks, with the focal lengths of the cameras that took them. A map is written in the first version
+/// that has all that it tells; otherwise the versions are the same.
+const VERSION: u64 = 3;
+/// Version of the format whose looks have no focal lengths. They are taken to be of a camera like the one that reads the map.
+const VERSION_WITHOUT_FOCAL_LENGTHS: u64 = 2;
 /// Version of the format without looks.
 const VERSION_WITHOUT_LOOKS: u64 = 1;
 /// What stands for the digest in the text that the digest is of.
@@ -56,7 +59,7 @@ struct Entry {
     axis: String,
     slopes: [[f64; 2]; 2],
     inverse_depth_per_m: [f64; 2],
-    /// How the landmark looks: position, direction, descriptors and grey levels as bytes in Base64.
+    /// How the landmark looks: position, direction, descriptors, grey levels and focal length as bytes in Base64.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     look: Option<String>,
 }
@@ -85,10 +88,9 @@ pub fn text(map: &LandmarkMap) -> String {
             look: map.looks.iter().find(|(of, _)| *of == landmark).map(|(_, look)| BASE64.encode(look.to_bytes())),
         }
     };
-    let version = if map.looks.is_empty() { VERSION_WITHOUT_LOOKS } else { VERSION };
     let file = File {
         format: FORMAT.to_owned(),
-        version,
+        version: version_of(map),
         digest: NO_DIGEST.to_owned(),
         room_m: map.room_m,
         relies_on: map.relies_on.clone(),
@@ -98,6 +100,17 @@ pub fn text(map: &LandmarkMap) -> String {
     let text = serde_json::to_string_pretty(&file).unwrap_or_default() + "\n";
     let digest = digest_of(&text);
     text.replacen(NO_DIGEST, &digest, 1)
+}
+
+/// The first version of the format that has all that a map tells.
+fn version_of(map: &LandmarkMap) -> u64 {
+    if map.looks.is_empty() {
+        VERSION_WITHOUT_LOOKS
+    } else if map.looks.iter().all(|(_, look)| look.focal_px().is_none()) {
+        VERSION_WITHOUT_FOCAL_LENGTHS
+    } else {
+        VERSION
+    }
 }
 
 /// Reads a map's file.
@@ -116,7 +129,7 @@ fn parse(text: &str) -> Result<LandmarkMap, String> {
         Some(version) if version > VERSION => {
             return Err(format!("`version` is {version}, of a later Wherein, expected at most {VERSION}"));
         }
-        Some(VERSION_WITHOUT_LOOKS | VERSION) => {}
+        Some(VERSION_WITHOUT_LOOKS..=VERSION) => {}
         _ => return Err(format!("`version` is {}, expected a number from 1 to {VERSION}", value["version"])),
     }
     let file: File =
@@ -166,6 +179,7 @@ fn looks_of(file: &File) -> Result<Vec<(LandmarkId, Landmark)>, String> {
         }
         let Some(text) = &entry.look else { continue };
         let look = BASE64.decode(text).ok().and_then(|bytes| Landmark::from_bytes(&bytes));
+        let look = look.filter(|look| look.focal_px().is_none() || file.version > VERSION_WITHOUT_FOCAL_LENGTHS);
         let expected = || {
             format!("`landmarks[{index}].look` is not possible, expected bytes in Base64 as `wherein teach` wrote them")
         };
@@ -218,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn looks_come_back_from_a_file_of_version_2_and_a_map_without_them_is_of_version_1() {
+    fn looks_come_back_from_a_file_and_a_map_is_of_the_first_version_that_has_all_that_it_tells() {
         let picture =
             GrayImage::from_fn(200, 160, |u, v| Luma([(u * 7 % 90 + (u / 9 * 37 + v / 11 * 53) % 120) as u8]));
         let bounds = ImageBounds { focal_px: 400.0, slant: 1.0, dark_noise_grey: 1.0, electrons_per_grey: 20.0 };
@@ -226,11 +240,23 @@ mod tests {
         assert_eq!(looks.len(), 2);
         let map = LandmarkMap { looks: [LandmarkId(3), LandmarkId(9)].into_iter().zip(looks).collect(), ..map() };
         let told = text(&map);
-        assert!(told.contains("\"version\": 2") && text(&self::map()).contains("\"version\": 1"));
+        assert!(told.contains("\"version\": 3") && text(&self::map()).contains("\"version\": 1"));
         assert_eq!(parse(&told).unwrap().looks, map.looks);
+        assert!(map.looks.iter().all(|(_, look)| look.focal_px() == Some(400.0)));
+        // Looks of an earlier Wherein end where the focal length begins.
+        let earlier = |look: &Landmark| Landmark::from_bytes(&look.to_bytes()[..look.to_bytes().len() - 8]).unwrap();
+        let looks: Vec<_> = map.looks.iter().map(|(landmark, look)| (*landmark, earlier(look))).collect();
+        let of_earlier = text(&LandmarkMap { looks: looks.clone(), ..map.clone() });
+        assert!(of_earlier.contains("\"version\": 2"));
+        assert_eq!(parse(&of_earlier).unwrap().looks, looks);
+        assert!(looks.iter().all(|(_, look)| look.focal_px().is_none()));
         let unsigned = told.replacen(&serde_json::from_str::<File>(&told).unwrap().digest, NO_DIGEST, 1);
         let resigned = |text: String| text.replacen(NO_DIGEST, &digest_of(&text), 1);
-        for (from, to) in [("\"look\": \"", "\"look\": \"AAAA"), ("\"version\": 2", "\"version\": 1")] {
+        for (from, to) in [
+            ("\"look\": \"", "\"look\": \"AAAA"),
+            ("\"version\": 3", "\"version\": 2"),
+            ("\"version\": 3", "\"version\": 1"),
+        ] {
             let refused = parse(&resigned(unsigned.replacen(from, to, 1))).unwrap_err();
             assert!(refused.contains("`landmarks[0].look` is not possible"), "{refused}");
         }
@@ -239,13 +265,13 @@ mod tests {
     #[test]
     fn what_is_no_map_is_refused_with_its_key() {
         let good = text(&map());
-        let of_later = good.replacen("\"version\": 1", "\"version\": 3", 1);
+        let of_later = good.replacen("\"version\": 1", "\"version\": 4", 1);
         let changed = good.replacen("-0.3", "-0.4", 1);
         for (bad, told) in [
             ("", "expected JSON"),
             (&good[..good.len() / 2], "expected JSON"),
             ("{}", "`format` is null"),
-            (&of_later, "`version` is 3, of a later Wherein, expected at most 2"),
+            (&of_later, "`version` is 4, of a later Wherein, expected at most 3"),
             (&changed, "`digest` is not that of the text"),
         ] {
             let refused = parse(bad).unwrap_err();

@@ -85,6 +85,11 @@ impl LevelCamera {
         }
     }
 
+    /// Nominal focal length in pixels.
+    pub(super) fn focal_px(&self) -> f64 {
+        self.focal_px
+    }
+
     /// Where a pinhole camera would show what the lens shows at a pixel; `None` where the lens folds.
     pub(super) fn straightened(&self, at_px: [f64; 2]) -> Option<Vector2<f64>> {
         let seen = [0, 1].map(|axis| (at_px[axis] - self.centre_px[axis]) / self.focal_px);

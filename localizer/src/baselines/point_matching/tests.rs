@@ -228,5 +228,28 @@ fn odometry_carries_on_from_the_pose_of_the_last_picture_that_told_one() {
     assert!((pose.x_m - 3.0).abs() < 1e-9 && (pose.y_m - 4.5 * step_m).abs() < 1e-9, "{pose:?}");
 }
 
+#[test]
+fn a_landmark_is_matched_at_the_sizes_that_both_focal_lengths_give_it() {
+    let robot = RobotModel { forward_camera: Some(model()), ..robot() };
+    // A look of a camera of unknown focal length, and one of a camera of half the focal length of this one.
+    let unknown = Landmark::from_bytes(&[0; N_BYTES]).unwrap();
+    let half = Landmark::from_bytes(&[&[0; N_BYTES][..], &208.5f64.to_le_bytes()].concat()).unwrap();
+    // First seen from 1.9 m away, and seen now from 3, 1.8 and 0.8 times as far, by a camera 0.12 m ahead of the robot.
+    let point = landmark(Vector3::new(2.0, -0.2, 0.5), EXACT);
+    let looks = vec![(LandmarkId(3), half.clone())];
+    let points = vec![(LandmarkId(3), point)];
+    let matching = PointMatching::new(
+        &robot,
+        KnownLandmarks { points: &points, looks: &looks },
+        &PoseBox::from([Interval::ZERO; 3]),
+    )
+    .unwrap();
+    let seen = [3.0, 1.8, 0.8].map(|times| {
+        let pose = Pose { x_m: 2.0 - 0.12 - times * 1.9, y_m: -0.15, heading_rad: 0.0 };
+        [&half, &unknown].map(|look| matching.may_be_seen(pose, &point, look, [640.0, 480.0]))
+    });
+    assert_eq!(seen, [[true, false], [true, true], [false, true]]);
+}
+
 /// Length of a landmark's look as bytes: three numbers, two descriptors of 32 bytes, and a patch of 37 × 37 grey levels.
 const N_BYTES: usize = 3 * 8 + 2 * 32 + 37 * 37;

@@ -25,12 +25,12 @@ use super::{
 const MOST_SEARCHED: usize = 60;
 /// Greatest side, in pixels, of the part of a picture in which a landmark is searched: everywhere, much looks alike.
 const WIDEST_SEARCH_PX: f64 = 300.0;
-/// Share by which the apparent size of a landmark may differ from the ratio of the distances, as for slanted surfaces, and the turn in the picture,
-/// in radians.
+/// Share by which the apparent size of a landmark may differ from what distances and focal lengths make it, as for slanted surfaces, and the turn in
+/// the picture, in radians.
 const SIZE_SLACK: f64 = 0.15;
 const TURN_RAD: f64 = 0.15;
-/// Least cosine of the angle between the directions from which a landmark was first seen and is searched, and greatest ratio of both distances:
-/// beyond them a patch is not aligned.
+/// Least cosine of the angle between the directions from which a landmark was first seen and is searched, and greatest ratio of its sizes in both
+/// pictures: beyond them a patch is not aligned.
 const LEAST_COSINE: f64 = 0.75;
 const GREATEST_RATIO: f64 = 2.0;
 /// Greatest distance, in metres, from the place from which a landmark was first seen at which it counts as missed.
@@ -153,7 +153,8 @@ impl Finder {
     fn expected(&self, album: &Album, pose: &PoseBox, size_px: [f64; 2]) -> Vec<Expected> {
         let expected = |(landmark, entry): (LandmarkId, &Entry)| {
             let point = entry.point;
-            if !self.is_seen_alike(&entry.point, pose) {
+            let enlargement = entry.look.enlargement(self.optics.camera.focal_px.mid());
+            if !self.is_seen_alike(&entry.point, enlargement, pose) {
                 return None;
             }
             let ray = self.optics.ray(pose, &point);
@@ -164,7 +165,7 @@ impl Finder {
             });
             let length = |[a, b, c]: [Interval; 3]| (a.sqr() + b.sqr() + c.sqr()).sqrt();
             let ratio = length([Interval::ONE, point.value[0], point.value[1]]) / length(ray);
-            let slack = Interval::new(1.0 - SIZE_SLACK, 1.0 + SIZE_SLACK);
+            let slack = Interval::new((1.0 - SIZE_SLACK) * enlargement, (1.0 + SIZE_SLACK) * enlargement);
             let scale = (ratio * slack).intersect(Interval::new(1.0 / GREATEST_RATIO, GREATEST_RATIO));
             let (look, n_failures) = (Arc::clone(&entry.look), entry.record.n_failures);
             (is_in_view && !scale.is_empty()).then_some(Expected {
@@ -186,9 +187,10 @@ impl Finder {
         all
     }
 
-    /// Whether a landmark is seen from nearly the direction and the distance from which it was first seen, if it is as far away as it may be or as the
-    /// middle of its box. The middle alone would be too near for a landmark of which little is known.
-    fn is_seen_alike(&self, point: &SpacePoint, pose: &PoseBox) -> bool {
+    /// Whether a landmark is seen from nearly the direction from which it was first seen and at nearly the size, if it is as far away as it may be or
+    /// as the middle of its box. The middle alone would be too near for a landmark of which little is known. From the same place this camera shows
+    /// the landmark at `enlargement` times the size.
+    fn is_seen_alike(&self, point: &SpacePoint, enlargement: f64, pose: &PoseBox) -> bool {
         let [alpha, beta, rho] = point.value;
         let [i, j] = point.anchor.sides();
         let mut first = [point.anchor.sign(); 3];
@@ -200,8 +202,12 @@ impl Finder {
             let now = [0, 1, 2].map(|k| first[k] + rho * (point.anchor.from_m[k] - eye_m[k]));
             let lengths = [dot(first, first).sqrt(), dot(now, now).sqrt()];
             let is_ahead = cos * now[0] + sin * now[1] > 0.0;
-            let is_near = (1.0 / GREATEST_RATIO..=GREATEST_RATIO).contains(&(lengths[0] / lengths[1].max(1e-9)));
+            let size = enlargement * (lengths[0] / lengths[1].max(1e-9));
+            let is_near = (1.0 / GREATEST_RATIO..=GREATEST_RATIO).contains(&size);
             is_ahead && is_near && dot(first, now) >= LEAST_COSINE * lengths[0] * lengths[1]
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

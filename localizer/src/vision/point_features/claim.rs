@@ -45,7 +45,7 @@ const GAIN_PER_PX: f64 = 0.008;
 /// Declared bounds of a camera's images, and of the surfaces that they show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageBounds {
-    /// Focal length of the camera, in pixels.
+    /// Focal length of the camera, in pixels. The landmarks of its images keep it.
     pub focal_px: f64,
     /// Tangent of the greatest angle between a surface's normal and the line of sight to it.
     pub slant: f64,
@@ -67,13 +67,15 @@ impl ImageBounds {
         Prior { deviations: [2.0, 2.0, change, change, change, change, 1.0, 1.0] }
     }
 
-    /// What is known of the parameters of a fine alignment, for an image at the given scale.
-    pub(super) fn prior(&self, scale: f64) -> Prior<FINE> {
+    /// What is known of the parameters of a fine alignment, for an image at the given scale, and with a focal length of `enlargement` times that of
+    /// the patch's own image.
+    pub(super) fn prior(&self, scale: f64, enlargement: f64) -> Prior<FINE> {
         let change = 0.5 * CHANGE * UNIT_PX;
         let gain = 0.5 * GAIN_PER_PX * UNIT_PX;
         let blur = 0.5 * BLUR_PX2;
-        // The inverse depth of a plane changes by slant/f per pixel; in the warp from one image to the other, both images' slants count.
-        let perspective = 0.5 * self.slant * (1.0 + scale) / self.focal_px * UNIT_PX * UNIT_PX;
+        // The inverse depth of a plane changes by slant/f per pixel; in the warp from one image to the other, both images' slants count. The patch's own
+        // image has a focal length of f/enlargement, and one of its pixels covers `scale` pixels of this image.
+        let perspective = 0.5 * self.slant * (enlargement + scale) / self.focal_px * UNIT_PX * UNIT_PX;
         #[rustfmt::skip]
         let deviations = [
             2.0, 2.0,
@@ -96,19 +98,22 @@ pub(super) struct Accuracy {
 }
 
 impl Accuracy {
-    /// The accuracy of an alignment; `None` if the patch determines nothing. `patch_grey` is the patch's mean grey level.
+    /// The accuracy of an alignment; `None` if the patch determines nothing. `patch_grey` is the patch's mean grey level, `enlargement` as for
+    /// [`ImageBounds::prior`].
     pub(super) fn of(
         template: &Template<FINE>,
         aligned: &Aligned,
         bounds: &ImageBounds,
         patch_grey: f64,
+        enlargement: f64,
     ) -> Option<Accuracy> {
         let scale2 = aligned.warp.image_from_patch.determinant();
         let declared = declared_variance(aligned, bounds, patch_grey);
         // What is left is smooth over the area of the smoothing kernel, 4π times its variance, and counts as one value there.
         let left = aligned.residual * HIDDEN * 4.0 * std::f64::consts::PI * template.variance_px2.max(1.0 / scale2);
         let noise = declared.max(left);
-        let covariance = with_prior(template, &bounds.prior(scale2.sqrt()), noise).cholesky()?.inverse() * noise;
+        let prior = bounds.prior(scale2.sqrt(), enlargement);
+        let covariance = with_prior(template, &prior, noise).cholesky()?.inverse() * noise;
         let change = (2..6).map(|idx| covariance[(idx, idx)]).fold(0.0, f64::max).sqrt() / UNIT_PX;
         Some(Accuracy { displacement: covariance.fixed_view::<2, 2>(0, 0).into_owned(), change })
     }
@@ -142,4 +147,18 @@ pub(super) fn allowed_share(
     let smoothed =
         declared_variance(aligned, bounds, patch_grey) / (4.0 * std::f64::consts::PI * template.variance_px2.max(0.5));
     2.0 * smoothed / (template.contrast * template.contrast) + MODEL
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_perspective_of_a_patch_is_that_of_both_cameras() {
+        // A plane at a slant of 45° before a camera of 400 px and one of 600 px that shows it 1.5 times larger: its inverse depth changes by 1/400
+        // per pixel of the patch in either. The bound of both together is 0.005, half of it a standard deviation, over 10 px each way.
+        let bounds = ImageBounds { focal_px: 600.0, slant: 1.0, dark_noise_grey: 1.0, electrons_per_grey: 20.0 };
+        let deviations = bounds.prior(1.5, 600.0 / 400.0).deviations;
+        assert!(deviations[13..].iter().all(|deviation| (deviation - 0.25).abs() < 1e-12), "{deviations:?}");
+    }
 }

@@ -123,7 +123,14 @@ impl<'a> Frame<'a> {
                 continue;
             };
             let is_single = !has_double(&upright, idx, &upright_one) && !has_double(&turned, idx, &turned_one);
-            let landmark = Landmark { position_px, direction_rad, upright: upright_one, turned: turned_one, patch };
+            let landmark = Landmark {
+                position_px,
+                focal_px: Some(self.bounds.focal_px),
+                direction_rad,
+                upright: upright_one,
+                turned: turned_one,
+                patch,
+            };
             if is_single && self.is_determined(&landmark) {
                 landmarks.push(landmark);
             }
@@ -137,7 +144,7 @@ impl<'a> Frame<'a> {
         let mean_grey = landmark.patch.mean();
         let warp = Warp::similarity(landmark.position_px, 1.0, 0.0);
         let aligned = Aligned { warp, zncc: 1.0, gain: 1.0, residual: 0.0, mean_grey };
-        Accuracy::of(&template, &aligned, &self.bounds, mean_grey).is_some_and(|accuracy| {
+        Accuracy::of(&template, &aligned, &self.bounds, mean_grey, 1.0).is_some_and(|accuracy| {
             accuracy.half_widths_px(&warp).iter().all(|half| *half < WIDEST_PX) && accuracy.change < MOST_CHANGE
         })
     }
@@ -183,7 +190,7 @@ impl<'a> Frame<'a> {
         for (level, start) in starts {
             let (coarse, fine) = templates.entry(level).or_insert_with(|| templates_at(landmark, level));
             let sighting = self
-                .aligned(coarse, fine, start)
+                .aligned(coarse, fine, start, landmark.enlargement(self.bounds.focal_px))
                 .map_or(Err(Refusal::NotAligned), |aligned| self.judged(landmark, fine, &aligned, region));
             match sighting {
                 Ok(sighting) => found.push(sighting),
@@ -251,10 +258,16 @@ impl<'a> Frame<'a> {
         kept
     }
 
-    fn aligned(&self, coarse: &Template<COARSE>, fine: &Template<FINE>, start: Warp) -> Option<Aligned> {
+    fn aligned(
+        &self,
+        coarse: &Template<COARSE>,
+        fine: &Template<FINE>,
+        start: Warp,
+        enlargement: f64,
+    ) -> Option<Aligned> {
         let scale = start.image_from_patch.determinant().sqrt();
         let warp = align_coarsely(coarse, &ImageBounds::coarse_prior(), Plane::coarse(&self.coarse), start)?;
-        align(fine, &self.bounds.prior(scale), Plane::fine(&self.fine), warp)
+        align(fine, &self.bounds.prior(scale, enlargement), Plane::fine(&self.fine), warp)
     }
 
     /// The sighting that an aligned patch is, or why it is none.
@@ -270,7 +283,8 @@ impl<'a> Frame<'a> {
         if aligned.zncc < LEAST_ZNCC || unexplained > allowed_share(template, aligned, &self.bounds, patch_grey) {
             return Err(Refusal::Unlike { zncc: aligned.zncc });
         }
-        let accuracy = Accuracy::of(template, aligned, &self.bounds, patch_grey);
+        let enlargement = landmark.enlargement(self.bounds.focal_px);
+        let accuracy = Accuracy::of(template, aligned, &self.bounds, patch_grey, enlargement);
         let half_width_px = accuracy.map_or([f64::INFINITY; 2], |accuracy| accuracy.half_widths_px(&aligned.warp));
         let widest = half_width_px[0].max(half_width_px[1]);
         if widest > WIDEST_PX {

@@ -8,7 +8,7 @@ use super::{
     landmark::Landmark,
 };
 
-/// Levels of scale at which keypoints are described, each a factor of 1.2: up to twice as near or as far away as when the landmark was first seen.
+/// Levels of scale at which keypoints are described, each a factor of 1.2: up to twice or half the size that the landmark had when it was first seen.
 const LEVELS: std::ops::RangeInclusive<i32> = -4..=4;
 /// Greatest ratio of a match's distance to that of the next best keypoint. Source: D. Lowe, "Distinctive image features from scale-invariant
 /// keypoints", International Journal of Computer Vision 60 (2004), section 7.1.
@@ -63,7 +63,7 @@ impl Frame<'_> {
         all
     }
 
-    /// Ratio of the distances, and its inverse, up to which [`matched`](Self::matched) finds a landmark again.
+    /// Ratio of a landmark's sizes in both images, and its inverse, up to which [`matched`](Self::matched) finds it again.
     pub fn most_matched_ratio() -> f64 {
         LEVEL.powi(*LEVELS.end())
     }

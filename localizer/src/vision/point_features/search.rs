@@ -7,7 +7,10 @@ use interval::Interval;
 pub struct Search {
     /// Corners of a convex region of the image, in order around it, each `[u, v]`.
     pub corners_px: Vec<[f64; 2]>,
-    /// Size in this image as a multiple of that in the landmark's own.
+    /// Size in this image as a multiple of that in the landmark's own: the inverse ratio of the distances, times [`Landmark::enlargement`] where this
+    /// camera has another focal length.
+    ///
+    /// [`Landmark::enlargement`]: super::Landmark::enlargement
     pub scale: Interval,
     /// Turn of this image against the landmark's own, positive from u towards v.
     pub turn_rad: Interval,

@@ -275,7 +275,16 @@ fn a_landmark_comes_back_from_its_bytes_and_other_bytes_are_refused() {
     assert_eq!(landmarks.len(), 20);
     for landmark in landmarks {
         let bytes = landmark.to_bytes();
-        assert_eq!(Landmark::from_bytes(&bytes), Some(landmark));
+        assert_eq!(landmark.focal_px(), Some(BOUNDS.focal_px));
+        assert_eq!(Landmark::from_bytes(&bytes), Some(landmark.clone()));
+        // Without the focal length at its end it is a look of an earlier map, of any camera.
+        let (earlier, _) = bytes.split_at(bytes.len() - 8);
+        assert_eq!(Landmark::from_bytes(earlier), Some(Landmark { focal_px: None, ..landmark.clone() }));
+        assert_eq!(
+            [landmark.enlargement(250.0), Landmark::from_bytes(earlier).unwrap().enlargement(250.0)],
+            [0.5, 1.0]
+        );
+        assert_eq!(Landmark::from_bytes(&[earlier, &0.0f64.to_le_bytes()].concat()), None);
         assert_eq!(Landmark::from_bytes(&bytes[1..]), None);
         assert_eq!(Landmark::from_bytes(&[&[255; 24], &bytes[24..]].concat()), None);
     }
