@@ -171,6 +171,7 @@ pub struct Timing {
     scene_path: PathBuf,
     settings: Vec<Setting>,
     subject_is_elsewhere: bool,
+    map_reading_s: Option<f64>,
 }
 
 impl Timing {
@@ -189,13 +190,15 @@ impl Timing {
             scene_path: file.path.clone(),
             settings: file.settings.clone(),
             subject_is_elsewhere: record.subject_is_elsewhere,
+            map_reading_s: file.scene.localizer.mapped_landmarks.as_ref().and_then(|setup| setup.reading_s),
         }
     }
 
     /// Content of the file `timing.json`. Its `program` is the digest of the executable, by which `--resume` recognises results of its own build; its
     /// `scene_path` and `set` (changed keys of the scene) are what a command that repeats the run has to name. No command repeats the run where
     /// `subject_is_elsewhere`: the localizer under test lives in another program, which had begun the run. The time of the `baselines` is no part of
-    /// `wall_s`; it is null where they were not asked for.
+    /// `wall_s`; it is null where they were not asked for. `map_reading_ms` is the time in which a map of landmarks was read and checked once; it is
+    /// null where the scene names none.
     pub fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
@@ -217,6 +220,7 @@ impl Timing {
                 "mean": 1e3 * (spent.localizer_s + spent.vision_s) / self.readings as f64,
                 "max": 1e3 * spent.slowest_reading_s,
             },
+            "map_reading_ms": self.map_reading_s.map(|reading_s| 1e3 * reading_s),
             "solve_us": self.solve_us,
             "program": program_digest(),
             "machine": machine(),

@@ -3,6 +3,7 @@
 use std::{fs, io, path::PathBuf, process::ExitCode};
 
 use clap::Args;
+use serde_json::Value;
 
 use crate::{
     artefacts::run_files::{LANDMARKS, folder, prepare_for, read, replace_file},
@@ -83,9 +84,21 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
     let map = crate::place::landmark_map::read(&arguments.map)?;
     let n_bounded = map.landmarks.iter().filter(|(_, point)| point.place_m().is_some()).count();
     print(&format!(
-        "Map of {} landmarks, the depth of {n_bounded} of them bounded: {}\n",
+        "Map of {} landmarks, the depth of {n_bounded} of them bounded: {}\n{}",
         map.landmarks.len(),
-        arguments.map.display()
+        arguments.map.display(),
+        boxes_in_words(&summary["metrics"])
     ))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// A sentence on how large the boxes of the map's landmarks are, by the figures of the drive; empty where it has none.
+fn boxes_in_words(metrics: &Value) -> String {
+    let figure = |name: &str| metrics[name].as_f64();
+    let share = |most: &str| Some(100.0 * figure(&format!("map_boxes_below_{most}_m3_share"))?);
+    let [Some(small), Some(middle), Some(large)] = ["0_001", "0_004", "0_008"].map(share) else { return String::new() };
+    let median = figure("map_box_median_m3").map_or("unbounded".to_owned(), |median_m3| format!("{median_m3:.4} m³"));
+    format!(
+        "Boxes of landmarks: {median} at the median; {small:.0} %, {middle:.0} % and {large:.0} % of them are below 0.001, 0.004 and 0.008 m³.\n"
+    )
 }

@@ -26,7 +26,7 @@ const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception
 const ANY_NAME: &str = "*";
 
 /// Names of the figures of a summary's table `metrics` that are about the localizer under test and its run.
-const OF_THE_RUN: [&str; 41] = [
+const OF_THE_RUN: [&str; 46] = [
     "arrival_error_greatest_m",
     "arrival_error_mean_m",
     "arrival_estimate_greatest_m",
@@ -48,6 +48,11 @@ const OF_THE_RUN: [&str; 41] = [
     "landmarks_known",
     "landmarks_outside",
     "longest_outside_s",
+    "map_box_median_m3",
+    "map_boxes_below_0_001_m3_share",
+    "map_boxes_below_0_004_m3_share",
+    "map_boxes_below_0_008_m3_share",
+    "map_landmarks",
     "marker_images",
     "marker_images_read_share",
     "markers_in_view",
@@ -85,6 +90,7 @@ const OF_BOXES: [&str; 12] = [
     "metrics.branches_",
     "metrics.landmark",
     "metrics.longest_outside_s",
+    "metrics.map_",
     "metrics.recovering_share",
     "metrics.wall_fix_",
     "post_localization.",

@@ -15,6 +15,7 @@ mod markers;
 mod methods;
 mod post;
 mod space_points;
+mod taught_map;
 mod statistics;
 mod verdict;
 
@@ -179,6 +180,7 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
         }
     }
     metrics.extend(landmarks::metrics(scene, record));
+    metrics.extend(taught_map::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
     metrics.extend(headings::metrics(record, judged));

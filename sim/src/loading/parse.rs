@@ -1,6 +1,6 @@
 //! Reads the text of a scene and makes a valid `Scene` of it.
 
-use std::path::Path;
+use std::{path::Path, time::Instant};
 
 use serde::Deserialize;
 use toml::{
@@ -102,7 +102,9 @@ fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
     let folder = folder.or(Path::new(map).is_absolute().then_some(Path::new("/")));
     let Some(folder) = folder else { return Ok(()) };
     let refused = |expected| Contradiction { key: "localizer.mapped_landmarks.map".to_owned(), expected };
+    let began = Instant::now();
     let known = landmark_map::read(&folder.join(map)).map_err(|error| refused(format!("failed to {error}")))?;
+    let reading_s = began.elapsed().as_secs_f64();
     if known.room_m != room_m {
         let expected =
             format!("{map} is of a room of {:?} m, expected a map of this room of {room_m:?} m", known.room_m);
@@ -114,6 +116,6 @@ fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
             "{map} was taught by a {taught} camera, expected a map taught by a {wanted} camera"
         )));
     }
-    setup.known = Some(known);
+    (setup.known, setup.reading_s) = (Some(known), Some(reading_s));
     Ok(())
 }

@@ -38,6 +38,9 @@ pub struct MappedLandmarksSetup {
     /// Contents of the file that the key `map` names.
     #[serde(skip)]
     pub known: Option<LandmarkMap>,
+    /// Time that it took to read and check that file, for `timing.json` alone.
+    #[serde(skip)]
+    pub reading_s: Option<f64>,
 }
 
 impl Default for MappedLandmarksSetup {
@@ -50,6 +53,7 @@ impl Default for MappedLandmarksSetup {
             wrong_items: None,
             least_depth_m: None,
             known: None,
+            reading_s: None,
         }
     }
 }

@@ -306,6 +306,11 @@ impl LocalizerSetup {
         self.mapped_landmarks.clone().unwrap_or_default()
     }
 
+    /// Whether the drive is to teach a map of landmarks in space.
+    pub fn teaches_map(&self) -> bool {
+        self.mapped_landmarks.as_ref().is_some_and(|setup| setup.teaches)
+    }
+
     /// Setup of the method `wall_ranges`, which locates the robot by the distances of walls: the scene's, or the default if the scene states none.
     pub fn wall_ranges(&self) -> WallRangesSetup {
         self.wall_ranges.clone().unwrap_or_default()
