@@ -24,9 +24,10 @@ pub fn doubtfulness(bound: &str) -> usize {
 }
 
 /// Bounds that an event can break, the most doubtful first.
-const EVENTS: [Assumption; 15] = [
+const EVENTS: [Assumption; 16] = [
     WHEELS_SLIP,
     WHEELS_SIDE_SLIP,
+    WHEELS_STEERING_SLIP,
     MARKERS_PLACEMENT,
     FLOOR_TILES_LAYING,
     WALL_DIRECTIONS_DIRECTION,
@@ -63,7 +64,17 @@ bounds! {
     WHEELS_TRACK = "wheels.track" in "m";
     #[doc = "Angle by which the robot turns while its encoders count no tick."]
     WHEELS_REST = "wheels.rest" in "rad";
-    #[doc = "Offset of the clock that stamps the readings of wheels, gyroscope and flow sensor."]
+    #[doc = "Deviation of the distance between a car's rear axle and its front axle from its nominal value."]
+    WHEELS_WHEELBASE = "wheels.wheelbase" in "m";
+    #[doc = "Difference between the turn of a car over any slip window and the turn by its steering angle and travel, beyond a declared share of that and an angle per distance."]
+    WHEELS_STEERING_SLIP = "wheels.steering_slip" in "rad";
+    #[doc = "Rate at which the steering angle of a car changes."]
+    WHEELS_STEERING_RATE = "wheels.steering_rate" in "rad/s";
+    #[doc = "Steering angle that the steering encoder reads when the car is steered straight ahead."]
+    STEERING_ENCODER_ZERO = "steering_encoder.zero" in "rad";
+    #[doc = "Deviation of the steering encoder's scale factor from 1."]
+    STEERING_ENCODER_SCALE = "steering_encoder.scale" in "1";
+    #[doc = "Offset of the clock that stamps the readings of wheels, gyroscope, flow sensor and steering encoder."]
     BASE_STAMP = "base.stamp" in "s";
     #[doc = "Speed of the robot."]
     REACH_SPEED = "reach.speed" in "m/s";

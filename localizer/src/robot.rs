@@ -2,7 +2,11 @@
 //!
 //! Frame `robot`: x forward, y left, z up; its origin is the middle of the wheel axle, projected on the floor at rest.
 
+mod steering;
+
 use interval::Interval;
+
+pub use steering::SteeringModel;
 
 /// Everything that the localizer is given about the robot. The true values, drawn at random for a seed, stay with the simulator.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +29,8 @@ pub struct RobotModel {
     pub ceiling_camera: Option<CeilingCameraModel>,
     /// The range camera (a stereo or structured-light camera) that measures coded landmarks, if there is one.
     pub range_camera: Option<RangeCameraModel>,
+    /// The steering of a car with a steering encoder, if there is one.
+    pub steering: Option<SteeringModel>,
 }
 
 impl RobotModel {
@@ -40,6 +46,7 @@ impl RobotModel {
             flow: None,
             ceiling_camera: None,
             range_camera: None,
+            steering: None,
         }
     }
 }

@@ -31,8 +31,8 @@ fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<
 #[test]
 fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
     // The runs together rely on every bound. The first ones use the four methods of a home (floor tiles, ceiling markers, wall directions,
-    // landmarks), the distances of walls, upright edges of walls, landmarks in space, the gyroscope and satellite navigation; others learn the
-    // gyroscope's errors with and without a declared bound on its angle and at rest, and use the flow sensor.
+    // landmarks), the distances of walls, upright edges of walls, landmarks in space, the gyroscope, a car's steering and satellite navigation;
+    // others learn the gyroscope's errors with and without a declared bound on its angle and at rest, and use the flow sensor.
     let runs = [
         named("home.toml", 1.0, |_| {}),
         named("home_ranges.toml", 1.0, |_| {}),
@@ -41,6 +41,7 @@ fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
         named("dark/carpet.toml", 1.0, |_| {}),
         named("landmarks/teach.toml", 1.0, |_| {}),
         named("landmarks/room_teach.toml", 3.0, |_| {}),
+        named("car_steering.toml", 1.0, |_| {}),
         named("gnss.toml", 2.0, |scene| {
             let outage = &mut scene.robot.gnss.as_mut().unwrap().outages[0];
             (outage.at_s, outage.leaves) = (1.0, Reception::Floating);
@@ -66,7 +67,7 @@ fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
 
 #[test]
 fn a_bound_told_wider_is_told() {
-    let scenes = ["home.toml", "dark/carpet.toml", "papers/rigid_transform_wrong_matches.toml"];
+    let scenes = ["home.toml", "dark/carpet.toml", "car_steering.toml", "papers/rigid_transform_wrong_matches.toml"];
     let mut untold = BTreeSet::new();
     for path in scenes {
         let scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;

@@ -74,6 +74,7 @@ fn robot(camera: CeilingCameraModel, body_tilt_rad: f64) -> RobotModel {
         flow: None,
         ceiling_camera: Some(camera),
         range_camera: None,
+        steering: None,
     }
 }
 

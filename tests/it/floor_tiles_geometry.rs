@@ -89,6 +89,7 @@ fn robot(tilt_rad: Tilts) -> RobotModel {
         flow: None,
         ceiling_camera: None,
         range_camera: None,
+        steering: None,
     }
 }
 

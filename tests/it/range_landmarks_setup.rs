@@ -45,6 +45,7 @@ pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
         forward_camera: None,
         gyro: None,
         flow: None,
+        steering: None,
         range_camera: Some(RangeCameraModel {
             focal_px: Interval::centred(580.0, 0.6),
             baseline_m: Interval::centred(0.075, 0.0001),

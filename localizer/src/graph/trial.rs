@@ -145,6 +145,7 @@ pub(crate) fn robot() -> RobotModel {
         flow: Some(flow()),
         ceiling_camera: None,
         range_camera: None,
+        steering: None,
     }
 }
 

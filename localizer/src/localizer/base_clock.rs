@@ -1,4 +1,4 @@
-//! Stamps of a mobile base (wheels, gyroscope and flow sensor) whose clock has an unknown offset.
+//! Stamps of a mobile base (wheels, gyroscope, flow sensor and steering encoder) whose clock has an unknown offset.
 //!
 //! All stamps of the base are off by the same δ, |δ| ≤ ε. The localizer computes in the base's clock: between two of its stamps the offset cancels
 //! out, so that the motion which the base's sensors give, with their declared bounds, holds however many stamps lie between. A reading stamped by

@@ -27,7 +27,7 @@ use crate::{
     bounds::Assumption,
     markers::MarkerId,
     method::Memory,
-    motion::{SlipExcess, WheelHistory, WheelIntegral, moved_union, reach_motion},
+    motion::{SlipExcess, WheelHistory, WheelIntegral, moved_union, reach_motion, steering},
 };
 
 pub use account::Account;
@@ -110,7 +110,7 @@ pub struct Localizer {
     naming: Naming,
     /// The wheel encoders' latest count, and the time since which they have had that count.
     at_rest: Option<(f64, [i64; 2])>,
-    /// Greatest error of the stamps of wheels, gyroscope and flow sensor.
+    /// Greatest error of the stamps of wheels, gyroscope, flow sensor and steering encoder.
     base_stamp_error_s: f64,
 }
 
@@ -198,6 +198,13 @@ impl Localizer {
             }
             Reading::Flow { measured_s, counts, blind_periods, .. } => {
                 let is_new = self.wheels.push_flow(*measured_s, *counts, *blind_periods);
+                self.note_late(*measured_s);
+                Observed::of_motion(is_new)
+            }
+            Reading::Other { measured_s, device, numbers, .. }
+                if device == steering::DEVICE && self.robot.steering.is_some() =>
+            {
+                let is_new = numbers.first().and_then(|ticks| self.wheels.push_steering(*measured_s, *ticks));
                 self.note_late(*measured_s);
                 Observed::of_motion(is_new)
             }

@@ -21,6 +21,14 @@ pub(super) const WHEELS: [Assumption; 6] = [
 pub(super) const REACH: [Assumption; 3] = [bounds::REACH_SPEED, bounds::REACH_TURN_RATE, bounds::ROOM_WALLS];
 /// Declared bounds that a prediction of the motion relies on in addition if there is a gyroscope.
 const GYRO: [Assumption; 4] = [bounds::GYRO_BIAS, bounds::GYRO_SCALE, bounds::GYRO_NOISE, bounds::GYRO_ANGLE];
+/// Declared bounds that a prediction of the motion by the wheels relies on in addition if there is a steering encoder.
+const STEERING: [Assumption; 5] = [
+    bounds::WHEELS_WHEELBASE,
+    bounds::WHEELS_STEERING_SLIP,
+    bounds::WHEELS_STEERING_RATE,
+    bounds::STEERING_ENCODER_ZERO,
+    bounds::STEERING_ENCODER_SCALE,
+];
 /// Declared bounds that a prediction of the motion by the wheels relies on in addition if there is a flow sensor.
 const FLOW: [Assumption; 7] = [
     bounds::FLOW_POSITION,
@@ -55,15 +63,19 @@ pub(super) fn memory_s(robot: &RobotModel) -> f64 {
     if apart_s < REMEMBER_S { REMEMBER_S } else { apart_s + REMEMBER_S }
 }
 
-/// An empty history of wheel, gyroscope and flow readings for this robot's sensors.
+/// An empty history of wheel, gyroscope, flow and steering readings for this robot's sensors.
 pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {
     let wheels = WheelHistory::new(memory_s(robot));
     let wheels = match robot.gyro {
         Some(model) => wheels.with_gyro(model),
         None => wheels,
     };
-    match robot.flow {
+    let wheels = match robot.flow {
         Some(model) => wheels.with_flow(model),
+        None => wheels,
+    };
+    match robot.steering {
+        Some(model) => wheels.with_steering(model),
         None => wheels,
     }
 }
@@ -98,6 +110,9 @@ pub(super) fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
     }
     if robot.flow.is_some() && robot.gyro.is_some() {
         names.extend(FLOW);
+    }
+    if robot.steering.is_some() {
+        names.extend(STEERING);
     }
     names
 }

@@ -9,7 +9,10 @@ use interval::{Interval, IntervalBox};
 
 use crate::robot::{Reach, WheelModel};
 
-use super::{Motion, WheelSample};
+use super::{
+    Motion, WheelSample,
+    steering::{Steered, SteeringIntegral},
+};
 
 /// Motion by the wheels since a stamp.
 #[derive(Clone, Debug)]
@@ -28,6 +31,8 @@ pub struct WheelIntegral {
     turning_rad: f64,
     /// Bound on the displacement error, in metres, from using the heading at the middle of each step for the whole step (midpoint rule).
     remainder_m: f64,
+    /// The turn by a car's steering.
+    steering: SteeringIntegral,
 }
 
 /// What is known of the robot's turn from elsewhere than its wheels.
@@ -37,6 +42,8 @@ pub struct KnownTurns {
     pub since_start_rad: Option<Interval>,
     /// Enclosure of the turn since the latest sample.
     pub in_step_rad: Option<Interval>,
+    /// The steering of a car since the latest sample.
+    pub steered: Option<Steered>,
 }
 
 impl WheelIntegral {
@@ -51,6 +58,7 @@ impl WheelIntegral {
             turn_rad: Interval::ZERO,
             turning_rad: 0.0,
             remainder_m: 0.0,
+            steering: SteeringIntegral::new(&start),
         }
     }
 
@@ -93,6 +101,11 @@ impl WheelIntegral {
         // θ̇ = (v_r − v_l)/W, Eq. (2c) of paper 1, with the track width W, is exact for the true travels of the two wheels' contact points.
         self.turn_rad = (travel[1] - travel[0]) / wheels.track_m;
         if let Some(turn_rad) = known.since_start_rad {
+            self.turn_rad = self.turn_rad.intersect(turn_rad);
+        }
+        let travel_m = greatest_travel(delta, counts, step_s, wheels);
+        self.steering.advance(known.steered.as_ref(), sample, delta, travel_m, step_s, reach);
+        if let Some(turn_rad) = known.steered.and_then(|steered| self.steered_turn(&steered, wheels)) {
             self.turn_rad = self.turn_rad.intersect(turn_rad);
         }
 
@@ -158,10 +171,21 @@ impl WheelIntegral {
 
     /// Bound on the lateral travel of the axle middle since the start.
     fn side_slip(&self, wheels: &WheelModel) -> f64 {
-        let counts = 2.0 + self.start.ticks_error + self.latest.ticks_error;
-        let rolled_m = 0.5
-            * (0..2).map(|wheel| (self.path_ticks[wheel] + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
+        let rolled_m = self.greatest_rolled(wheels);
         (wheels.side_slip_ratio * rolled_m + wheels.windows(self.lasts_s()) * wheels.side_slip_floor_m) * ABOVE
+    }
+
+    /// Greatest distance that the middle of the axle has rolled since the start, forth and back.
+    fn greatest_rolled(&self, wheels: &WheelModel) -> f64 {
+        let counts = 2.0 + self.start.ticks_error + self.latest.ticks_error;
+        0.5 * (0..2).map(|wheel| (self.path_ticks[wheel] + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>()
+    }
+
+    /// Turn since the start by a car's steering; `None` where that was not known all the time.
+    fn steered_turn(&self, steered: &Steered, wheels: &WheelModel) -> Option<Interval> {
+        let slip_m = 0.5 * (self.slip_error(0, wheels) + self.slip_error(1, wheels));
+        let (rolled_m, windows) = (self.greatest_rolled(wheels), wheels.windows(self.lasts_s()));
+        self.steering.turn(&steered.model, wheels, slip_m, rolled_m, windows)
     }
 
     /// Enclosure of the true travel of the axle's middle since the start.
@@ -208,6 +232,14 @@ impl WheelModel {
 
 /// Factor by which a sum of positive error bounds is increased, to make up for the few roundings of the sum.
 const ABOVE: f64 = 1.0 + 1e-12;
+
+/// Greatest distance along which the middle of the axle can have travelled between the ends of a step, with the slip of that step and with counts
+/// that are off by up to `counts`.
+fn greatest_travel(delta: [f64; 2], counts: f64, step_s: f64, wheels: &WheelModel) -> f64 {
+    let rolled_m =
+        0.5 * (0..2).map(|wheel| (delta[wheel].abs() + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
+    (rolled_m + wheels.slip_ratio * rolled_m + wheels.windows(step_s) * wheels.slip_floor_m) * ABOVE
+}
 
 /// Bound on |∫ (cos φ, sin φ) dS − chord| over one step, when speeds and turn rates change by at most their acceleration limits a and α:
 /// P·α·T²/8 + a·|ω|·T³/8, with the length P of the path, the turn rate ω and the duration T, for counts that are off by up to `counts`.

@@ -1,8 +1,8 @@
 //! From wheel readings to motion: an enclosure of where the robot has gone between two stamps.
 //!
 //! The enclosure uses the true arc of a differential drive, slip bounds with a constant part (floor) for each wheel, a bound on side slip, and
-//! the robot's speed and acceleration limits (reach). Over any span of time the quantisation of the encoders counts once, because a wheel's
-//! count is a difference of two latched totals.
+//! the robot's speed and acceleration limits (reach). A gyroscope, and a car's steering encoder, bound the turn besides. Over any span of time the
+//! quantisation of the wheel encoders counts once, because a wheel's count is a difference of two latched totals.
 
 mod flow;
 mod flow_history;
@@ -13,6 +13,7 @@ mod integral;
 mod odometry;
 mod polygon;
 mod slip_excess;
+pub mod steering;
 mod way;
 
 use std::{borrow::Cow, collections::VecDeque};
@@ -21,7 +22,7 @@ use interval::{Interval, IntervalBox};
 
 use crate::{
     PoseBox, PoseUnion,
-    robot::{FlowModel, GyroModel, Reach, WheelModel},
+    robot::{FlowModel, GyroModel, Reach, SteeringModel, WheelModel},
 };
 
 pub use flow::{Agreement, FlowIntegral, agree};
@@ -32,6 +33,7 @@ pub use gyro_errors::GyroErrors;
 pub use integral::{KnownTurns, WheelIntegral};
 pub use odometry::PointOdometry;
 pub use slip_excess::SlipExcess;
+pub use steering::SteeringHistory;
 pub use way::Way;
 
 /// Longest time after the latest wheel reading for which motion is extrapolated from the readings. Beyond it the extrapolation's error, which
@@ -61,12 +63,13 @@ pub struct WheelSample {
     pub ticks_error: f64,
 }
 
-/// Recent readings of the wheel encoders, and of the gyroscope and the flow sensor if the robot has them.
+/// Recent readings of the wheel encoders, and of the gyroscope, the flow sensor and the steering encoder if the robot has them.
 #[derive(Clone, Debug)]
 pub struct WheelHistory {
     samples: VecDeque<WheelSample>,
     gyro: Option<GyroHistory>,
     flow: Option<FlowHistory>,
+    steering: Option<SteeringHistory>,
     keep_s: f64,
     /// Spans of time in which the wheels slip by more than declared. The simulator, which knows the slip, gives them when it repeats a run with
     /// wider bounds.
@@ -76,7 +79,7 @@ pub struct WheelHistory {
 impl WheelHistory {
     /// A history that forgets wheel readings older than `keep_s`.
     pub fn new(keep_s: f64) -> Self {
-        WheelHistory { samples: VecDeque::new(), gyro: None, flow: None, keep_s, excesses: Vec::new() }
+        WheelHistory { samples: VecDeque::new(), gyro: None, flow: None, steering: None, keep_s, excesses: Vec::new() }
     }
 
     /// The same history with a gyroscope, whose turn is intersected with that of the wheels.
@@ -87,6 +90,11 @@ impl WheelHistory {
     /// The same history with a flow sensor, which measures the travel independently of the wheels and needs a gyroscope for the turn.
     pub fn with_flow(self, model: FlowModel) -> Self {
         WheelHistory { flow: Some(FlowHistory::new(model, self.keep_s)), ..self }
+    }
+
+    /// The same history with a steering encoder, whose turn is intersected with that of the wheels.
+    pub fn with_steering(self, model: SteeringModel) -> Self {
+        WheelHistory { steering: Some(SteeringHistory::new(model, self.keep_s)), ..self }
     }
 
     /// Sets the spans of time in which the wheels are known to slip by more than declared.
@@ -121,6 +129,11 @@ impl WheelHistory {
         reach: &Reach,
     ) -> Option<FlowWay> {
         self.flow.as_ref()?.way([from_s, to_s], heading_rad, self.gyro.as_ref()?, wheels, reach)
+    }
+
+    /// Adds a reading of the steering encoder. Returns whether there was none of its stamp yet; `None` for a robot without one.
+    pub fn push_steering(&mut self, time_s: f64, ticks: f64) -> Option<bool> {
+        Some(self.steering.as_mut()?.push(time_s, ticks))
     }
 
     /// Adds a reading of the gyroscope. Returns whether it fits among those that have come before; `None` for a robot without a gyroscope.
@@ -203,7 +216,8 @@ impl WheelHistory {
             Some(gyro) => gyro.turn(step_s[0], step_s[1], greatest_change_rad_per_s2(wheels, reach)),
             None => Some(Interval::centred(0.0, reach.turn_rate_rad_per_s * (step_s[1] - step_s[0]).max(0.0))),
         };
-        let known = KnownTurns { since_start_rad: turn_rad, in_step_rad };
+        let steered = self.steering.as_ref().and_then(|steering| steering.between(step_s[0], step_s[1]));
+        let known = KnownTurns { since_start_rad: turn_rad, in_step_rad, steered };
         integral.advance(sample, known, &self.model_over([integral.start_s(), sample.time_s], wheels), reach);
     }
 

@@ -9,6 +9,7 @@
 //! | `/wherein/…` | readings, starts and estimates to the last bit: what [`crate::artefacts::replay`] reads |
 //! | `/floor_camera/image`, `/floor_camera/camera_info` | lossless images and the nominal calibration; likewise `forward_camera`, `ceiling_camera` |
 //! | `/joint_states`, `/imu` | wheels and gyroscope as ROS 2 has them |
+//! | `/steering` | the steering angle as a car's steering encoder reads it, as a joint |
 //! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the box around the estimate, by wheel odometry alone |
 //! | `/tf`, `/tf_static` | frames `robot` at the estimated pose and `true_robot` at the true pose; the cameras' nominal mounts |
 //! | `/boxes` | the estimate's union of boxes, 20 times a second |
@@ -21,6 +22,7 @@ use localizer::{
     Estimate, Pose, Reading, RobotModel, Status,
     localizer::Account,
     methods::wall_ranges::{self, Scan},
+    motion::steering,
 };
 
 use crate::{
@@ -174,6 +176,11 @@ impl<S: Sink> Witness for Stream<S> {
                 if let Some((scan, scanner)) = scan.zip(self.scanner.as_ref()) {
                     let message = messages::laser_scan(measured_s, &scan, scanner);
                     self.put("/scan", "sensor_msgs/LaserScan", arrived_s, &message);
+                }
+                let steering = self.robot.steering.filter(|_| device == steering::DEVICE);
+                if let Some((steering, ticks)) = steering.zip(numbers.first()) {
+                    let joint = messages::steering_angle(measured_s, ticks * steering.rad_per_tick);
+                    self.put("/steering", "sensor_msgs/JointState", arrived_s, &joint);
                 }
             }
         }

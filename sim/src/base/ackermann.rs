@@ -17,7 +17,7 @@ impl Drivetrain for Ackermann {
         };
         let (rear_m, front_m) = (0.5 * drawn.track_m, 0.5 * self.front_track_m.unwrap_or(robot.base.track_m));
         let rear = |left_m: f64| wheel(0.0, left_m, 1.0 - self.front_share, FootKind::Driven);
-        let front = |left_m: f64| wheel(self.wheelbase_m, left_m, self.front_share, FootKind::Steered);
+        let front = |left_m: f64| wheel(drawn.wheelbase_m, left_m, self.front_share, FootKind::Steered);
         vec![rear(rear_m), rear(-rear_m), front(front_m), front(-front_m)]
     }
 
@@ -40,11 +40,11 @@ impl Drivetrain for Ackermann {
         steering_rad + (wanted_rad - steering_rad).clamp(-step_rad, step_rad)
     }
 
-    /// A wheel rolls at right angles to the line from the centre of the turn, `(0, L/tan δ)`, to the wheel at `(x, y)`: by the angle whose tangent is
-    /// `x/(L/tan δ − y)`.
-    fn rolling_rad(&self, [forward_m, left_m]: [f64; 2], steering_rad: f64) -> f64 {
+    /// A front wheel rolls at right angles to the line from the centre of the turn, `(0, L/tan δ)`, to the wheel at `(L, y)`: by the angle whose
+    /// tangent is `L/(L/tan δ − y)`. The steering linkage is made for the nominal wheelbase L, wherever the front axle truly is.
+    fn rolling_rad(&self, [_, left_m]: [f64; 2], steering_rad: f64) -> f64 {
         let tan = steering_rad.tan();
-        (forward_m * tan).atan2(self.wheelbase_m - left_m * tan)
+        (self.wheelbase_m * tan).atan2(self.wheelbase_m - left_m * tan)
     }
 
     fn turning_circle(&self) -> Option<TurningCircle> {

@@ -122,7 +122,9 @@ pub struct DrawnBase {
     pub wheel_radius_m: [f64; 2],
     /// True distance between the contact points of the two wheels.
     pub track_m: f64,
-    /// Delay, drawn at random, by which the stamps of wheels, gyroscope and flow sensor are late; negative if they are early.
+    /// True distance from a car's rear axle to its front axle.
+    pub wheelbase_m: f64,
+    /// Delay, drawn at random, by which the stamps of wheels, gyroscope, flow sensor and steering encoder are late; negative if they are early.
     pub clock_s: f64,
 }
 
@@ -132,12 +134,15 @@ impl DrawnBase {
         let mut rng = stream(seed, "wheels");
         let mut around = |nominal: f64, share: f64| nominal * (1.0 + draw_within(share, robot.errors, &mut rng));
         let base = &robot.base;
+        let wheelbase_share =
+            draw_within(base.ackermann.wheelbase_tolerance, robot.errors, &mut stream(seed, "wheels.wheelbase"));
         let left_m = around(base.wheel_radius_m, base.wheel_radius_tolerance);
         let right_m = around(base.wheel_radius_m, base.wheel_radius_tolerance);
         let track_m = around(base.track_m, base.track_tolerance);
         DrawnBase {
             wheel_radius_m: [left_m * (1.0 - base.wheel_wear[0]), right_m * (1.0 - base.wheel_wear[1])],
             track_m,
+            wheelbase_m: base.ackermann.wheelbase_m * (1.0 + wheelbase_share),
             clock_s: draw_within(robot.delivery.stamp_tolerance_s, robot.errors, &mut stream(seed, "base.clock")),
         }
     }
@@ -158,6 +163,11 @@ impl DrawnBase {
                 (self.track_m - robot.base.track_m).abs(),
             ),
         ];
+        if robot.steering_encoder.is_some() {
+            let car = &robot.base.ackermann;
+            let off_m = (self.wheelbase_m - car.wheelbase_m).abs();
+            all.push((bounds::WHEELS_WHEELBASE, car.wheelbase_m * car.wheelbase_tolerance, off_m));
+        }
         // With a stamp tolerance of zero the base and the localizer share one clock, so that there is no bound to check.
         if robot.delivery.stamp_tolerance_s > 0.0 {
             all.push((bounds::BASE_STAMP, robot.delivery.stamp_tolerance_s, self.clock_s.abs()));
@@ -181,6 +191,7 @@ impl DrawnBase {
 
 /// Scene keys of the robot's base from which bounds of the localizer are taken.
 pub(crate) fn told_keys(robot: &mut Robot) -> Vec<ToldKey<'_>> {
+    let car = &mut robot.base.ackermann;
     vec![
         ToldKey::is_share_of(
             &[bounds::WHEELS_RADIUS],
@@ -188,6 +199,7 @@ pub(crate) fn told_keys(robot: &mut Robot) -> Vec<ToldKey<'_>> {
             robot.base.wheel_radius_m,
         ),
         ToldKey::is_share_of(&[bounds::WHEELS_TRACK], &mut robot.base.track_tolerance, robot.base.track_m),
+        ToldKey::is_share_of(&[bounds::WHEELS_WHEELBASE], &mut car.wheelbase_tolerance, car.wheelbase_m),
         ToldKey::is(&[bounds::BASE_STAMP], &mut robot.delivery.stamp_tolerance_s),
     ]
 }

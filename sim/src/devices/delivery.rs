@@ -10,7 +10,7 @@ use crate::{
 
 use super::Observation;
 
-/// The bus over which the base sends the readings of its motion sensors: wheels, gyroscope and flow sensor.
+/// The bus over which the base sends the readings of its motion sensors: wheels, gyroscope, flow sensor and steering encoder.
 pub struct Delivery {
     keys: scene::Delivery,
     /// By how much the base's clock, and with it every stamp, is late.

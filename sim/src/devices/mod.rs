@@ -17,6 +17,7 @@ pub mod gyro;
 pub mod point_camera;
 pub mod range_camera;
 pub mod scanner;
+mod steering_encoder;
 mod surroundings;
 mod told_key;
 
@@ -29,7 +30,7 @@ use crate::{
     place::Bystander,
     scene::{
         CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gnss, Gyro, MethodName, PointCamera,
-        RangeCamera, Robot, Scanner, Scene, with_every_kind, with_every_method,
+        RangeCamera, Robot, Scanner, Scene, SteeringEncoder, with_every_kind, with_every_method,
     },
     truth::Truth,
 };

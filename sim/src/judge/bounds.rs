@@ -2,6 +2,7 @@
 
 mod monitor;
 mod motion;
+mod steering;
 
 use std::collections::BTreeSet;
 

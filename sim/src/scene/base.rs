@@ -102,6 +102,11 @@ pub struct Ackermann {
     /// Distance from the rear axle, above which the origin of the robot frame is, to the front axle.
     #[schemars(range(min = 0.05, max = 5.0))]
     pub wheelbase_m: f64,
+    /// Bound `wheels.wheelbase`: greatest error of the wheelbase, drawn at random, as a share of the nominal wheelbase. Only a car with a steering
+    /// encoder relies on it.
+    #[serde(skip_serializing_if = "is_zero")]
+    #[schemars(range(min = 0.0, max = 0.1))]
+    pub wheelbase_tolerance: f64,
     /// Distance between the contact points of the front wheels. Unless stated, it is the nominal `track_m` of the rear axle.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.05, max = 2.0))]
@@ -124,12 +129,17 @@ impl Default for Ackermann {
     fn default() -> Self {
         Ackermann {
             wheelbase_m: 0.5,
+            wheelbase_tolerance: 0.0,
             front_track_m: None,
             front_share: 0.5,
             max_steering_deg: 30.0,
             steering_rate_deg_per_s: 90.0,
         }
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Ackermann {

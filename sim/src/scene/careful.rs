@@ -100,6 +100,9 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
             robot[name] = device.keys;
         }
     }
+    if robot["steering_encoder"].is_object() {
+        robot["base"]["ackermann"] = json!({ "wheelbase_tolerance": 0.005 });
+    }
     keys["robot"] = robot;
     keys
 }

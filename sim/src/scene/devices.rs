@@ -12,6 +12,7 @@ mod gyro;
 mod point_camera;
 mod range_camera;
 mod scanner;
+mod steering_encoder;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -29,6 +30,7 @@ pub use gyro::Gyro;
 pub use point_camera::PointCamera;
 pub use range_camera::RangeCamera;
 pub use scanner::Scanner;
+pub use steering_encoder::SteeringEncoder;
 
 /// List of all kinds of devices for a macro: for each kind its description, the key of its table under `[robot]`, and the type of that table. Devices
 /// that the board of the robot's base reads are read in the order of this list.
@@ -55,6 +57,9 @@ macro_rules! with_every_kind {
             point_camera: PointCamera as "Fitted<PointCamera>";
             /// Planar range scanner: a table of its keys, `true` for the default one, or `false` for none.
             scanner: Scanner as "Fitted<Scanner>";
+            /// Encoder of the steering angle, which only a car can have: a table of its keys, `true` for the default one, or `false` for none.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            steering_encoder: SteeringEncoder as "Fitted<SteeringEncoder>";
         }
     };
 }

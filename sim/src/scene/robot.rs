@@ -46,7 +46,8 @@ macro_rules! define {
                 #[schemars(with = $fitted)]
                 pub $name: Option<$keys>,
             )+
-            /// How readings of wheels, gyroscope and flow sensor reach the localizer: at once and each exactly once, unless stated otherwise.
+            /// How readings of wheels, gyroscope, flow sensor and steering encoder reach the localizer: at once and each exactly once, unless
+            /// stated otherwise.
             pub delivery: Delivery,
         }
 

@@ -27,6 +27,8 @@ pub struct Truth {
     pub tilt_rad: [f64; 2],
     /// Spin angle of the left and of the right wheel since the start.
     pub wheel_angle_rad: [f64; 2],
+    /// Steering angle of a car, that of a wheel in the middle of its front axle, positive to the left; 0 where nothing is steered.
+    pub steering_rad: f64,
     /// True travel over the floor of the left and of the right wheel's contact point, measured along the robot's x axis and added up since the start.
     pub wheel_travel_m: [f64; 2],
     /// True travel of the robot's origin to its left, along the robot's y axis, added up since the start.
@@ -74,6 +76,7 @@ impl Truth {
             heave_m: mix(self.heave_m, later.heave_m),
             tilt_rad: mix2(self.tilt_rad, later.tilt_rad),
             wheel_angle_rad: mix2(self.wheel_angle_rad, later.wheel_angle_rad),
+            steering_rad: mix(self.steering_rad, later.steering_rad),
             wheel_travel_m: mix2(self.wheel_travel_m, later.wheel_travel_m),
             lateral_travel_m: mix(self.lateral_travel_m, later.lateral_travel_m),
         }

@@ -135,7 +135,7 @@ impl World {
         self.chassis.advance(&body);
         self.n_steps += 1;
         let time_s = self.n_steps as f64 / STEPS_PER_S;
-        self.odometer.advance(time_s, &self.chassis.state(), &self.wheels)
+        self.odometer.advance(time_s, &self.chassis.state(), &self.wheels, self.steering_rad)
     }
 
     /// The true state of the robot at the present time.

@@ -31,8 +31,8 @@ impl Odometer {
         self.truth
     }
 
-    /// Updates the true state of the robot by one step of the body.
-    pub(super) fn advance(&mut self, time_s: f64, body: &BodyState, wheels: &[Wheel]) -> Truth {
+    /// Updates the true state of the robot by one step of the body, at whose end the base is steered by the given angle.
+    pub(super) fn advance(&mut self, time_s: f64, body: &BodyState, wheels: &[Wheel], steering_rad: f64) -> Truth {
         let truth = &mut self.truth;
         let origin = body.world_from_robot.translation;
         let turn_rad = self.forward.cross(body.forward).z.atan2(self.forward.dot(body.forward));
@@ -54,6 +54,7 @@ impl Odometer {
         truth.heave_m = origin.z;
         truth.tilt_rad = tilt_rad(body);
         truth.wheel_angle_rad = [0, 1].map(|idx: usize| wheels[idx].angle_rad);
+        truth.steering_rad = steering_rad;
         self.forward = body.forward;
         *truth
     }

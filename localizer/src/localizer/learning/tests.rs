@@ -121,6 +121,7 @@ fn drive(
         gyro: Some(gyro),
         flow: None,
         range_camera: None,
+        steering: None,
     };
     let room = Interval::new(-5.0, 5.0);
     let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new(), walls: None };

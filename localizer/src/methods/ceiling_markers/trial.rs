@@ -72,6 +72,7 @@ pub(super) fn bench() -> RobotModel {
             q_items: 0,
         }),
         range_camera: None,
+        steering: None,
     }
 }
 

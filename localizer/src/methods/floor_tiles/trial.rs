@@ -70,6 +70,7 @@ pub(super) fn known_robot(factor: f64, distortion: [f64; 5], distortion_px: f64,
         flow: None,
         ceiling_camera: None,
         range_camera: None,
+        steering: None,
     }
 }
 

@@ -21,7 +21,7 @@ fn exact() -> WheelModel {
 fn straight(travel_m: f64, acceleration_m_per_s2: f64, wheels: &WheelModel) -> Motion {
     let sample = |time_s: f64, ticks: f64| WheelSample { time_s, ticks: [ticks; 2], ticks_error: 0.0 };
     let mut integral = WheelIntegral::new(sample(0.0, 0.0));
-    let known = KnownTurns { since_start_rad: Some(Interval::ZERO), in_step_rad: Some(Interval::ZERO) };
+    let known = KnownTurns { steered: None, since_start_rad: Some(Interval::ZERO), in_step_rad: Some(Interval::ZERO) };
     let reach = Reach { speed_m_per_s: 2.0, turn_rate_rad_per_s: 4.0, acceleration_m_per_s2 };
     integral.advance(&sample(1.0, 1e6 * travel_m), known, wheels, &reach);
     integral.motion(wheels)

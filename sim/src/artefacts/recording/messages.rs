@@ -113,6 +113,18 @@ pub(super) fn wheel_angles(time_s: f64, ticks: [i64; 2], ticks_per_turn: f64) ->
         .finish()
 }
 
+/// A `sensor_msgs/JointState` with a car's steering angle as its encoder measures it.
+pub(super) fn steering_angle(time_s: f64, angle_rad: f64) -> Vec<u8> {
+    Message::new()
+        .header(time_s, "")
+        .length(1)
+        .text("steering")
+        .f64_sequence(&[angle_rad])
+        .f64_sequence(&[])
+        .f64_sequence(&[])
+        .finish()
+}
+
 /// A `sensor_msgs/Imu` with the rate of a gyroscope about the vertical; −1 as the first covariance says that the quantity is not measured.
 pub(super) fn turn_rate(time_s: f64, rate_rad_per_s: f64) -> Vec<u8> {
     let unmeasured = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -39,6 +39,9 @@ pub(super) fn unsupported(scene: &Scene) -> Option<(&'static str, String, &'stat
         let value = gyro.bias_wander_deg_per_s2.to_string();
         return Some(("robot.gyro.bias_wander_deg_per_s2", value, "0, or `angle_floor_deg` beside it"));
     }
+    if robot.steering_encoder.is_some() {
+        return Some(("robot.steering_encoder", "given".to_owned(), "false"));
+    }
     for camera in [Camera::Floor, Camera::Ceiling, Camera::Forward] {
         let row_time_s = robot.camera(camera).map_or(0.0, |keys| keys.shared().lens.row_time_s);
         if row_time_s > 0.0 {

@@ -4,7 +4,7 @@
 use crate::{run::RunRecord, scene::Scene, truth::Truth};
 use localizer::bounds;
 
-use super::Monitor;
+use super::{Monitor, steering};
 
 /// Monitors of the bounds on the robot's motion, each drive by itself: from one station to the next the robot is put, it does not roll.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
@@ -13,6 +13,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         all.extend(slip(scene, truths, record.drawn.base.wheel_radius_m));
         all.extend(reach(scene, truths, record.drawn.base.wheel_radius_m));
         all.extend(posture(scene, truths));
+        all.extend(steering::monitors(scene, truths, &record.drawn.base));
     }
     all
 }
@@ -37,47 +38,49 @@ fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monito
     for end in 1..rolled.len() {
         let starts = end.saturating_sub(window_steps)..end;
         for wheel in 0..2 {
-            watch_windows(&mut slip, truths, &rolled, wheel, slip_bound, starts.clone(), end);
+            watch_windows(&mut slip, truths, measure(&rolled, wheel, slip_bound), starts.clone(), end);
         }
-        watch_windows(&mut side, truths, &rolled, 2, side_bound, starts, end);
+        watch_windows(&mut side, truths, measure(&rolled, 2, side_bound), starts, end);
     }
     vec![slip, side]
 }
 
-/// Checks all windows of one channel (left wheel, right wheel or lateral travel) that end at the step `end`.
-///
-/// An excess is reported at its greatest over all windows, and dated by the shortest windows that show it: a longer window merely contains
-/// such a short one.
-fn watch_windows(
-    monitor: &mut Monitor,
-    truths: &[Truth],
-    rolled: &[Rolled],
-    channel: usize,
-    [ratio, floor_m]: [f64; 2],
-    starts: std::ops::Range<usize>,
-    end: usize,
-) {
-    let measure = |start: usize, end: usize| {
+/// The declared bound and the true error of one channel (left wheel, right wheel or lateral travel) from one step to another.
+fn measure(rolled: &[Rolled], channel: usize, [ratio, floor_m]: [f64; 2]) -> impl Fn(usize, usize) -> (f64, f64) {
+    move |start, end| {
         let path_m = rolled[end].path_m[channel] - rolled[start].path_m[channel];
         let error_m = (rolled[end].error_m[channel] - rolled[start].error_m[channel]).abs();
         (ratio * path_m + floor_m, error_m)
-    };
+    }
+}
+
+/// Checks all windows that end at the step `end`. `measure` gives the declared bound and the true error from one step to another.
+///
+/// An excess is reported at its greatest over all windows, and dated by the shortest windows that show it: a longer window merely contains
+/// such a short one.
+pub(super) fn watch_windows(
+    monitor: &mut Monitor,
+    truths: &[Truth],
+    measure: impl Fn(usize, usize) -> (f64, f64),
+    starts: std::ops::Range<usize>,
+    end: usize,
+) {
     let exceeds = |start: usize, end: usize| {
-        let (declared, error_m) = measure(start, end);
-        error_m > declared
+        let (declared, error) = measure(start, end);
+        error > declared
     };
     let mut dated = false;
     for start in starts.rev() {
-        let (declared, error_m) = measure(start, end);
-        if error_m <= declared {
+        let (declared, error) = measure(start, end);
+        if error <= declared {
             continue;
         }
         let is_shortest = !dated && (end - start == 1 || !exceeds(start, end - 1));
         dated = true;
         if is_shortest {
-            monitor.watch([truths[start].time_s, truths[end].time_s], declared, error_m);
+            monitor.watch([truths[start].time_s, truths[end].time_s], declared, error);
         } else {
-            monitor.deepen(truths[end].time_s, declared, error_m);
+            monitor.deepen(truths[end].time_s, declared, error);
         }
     }
 }

@@ -10,6 +10,10 @@ use crate::{
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let base = &scene.robot.base;
     if base.kind != BaseKind::Ackermann {
+        if scene.robot.steering_encoder.is_some() {
+            let expected = "the base steers nothing, expected `false`, or `robot.base.kind = \"ackermann\"`".to_owned();
+            found.push(Contradiction { key: "robot.steering_encoder".to_owned(), expected });
+        }
         return;
     }
     dimensions(scene, found);

@@ -49,6 +49,9 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     if scene.robot.flow.is_some() {
         refuse("topics", "no type of message is read as a flow sensor, expected `robot.flow = false`");
     }
+    if scene.robot.steering_encoder.is_some() {
+        refuse("topics", "no type of message is read as a steering encoder, expected `robot.steering_encoder = false`");
+    }
     if scene.robot.range_camera.is_some() {
         refuse("topics", "no type of message is read as a range camera, expected `robot.range_camera = false`");
     }

@@ -9,7 +9,7 @@ use localizer::{
     methods::{gnss_positions::ReceiverModel, wall_ranges::ScannerModel},
     robot::{
         BodyModel, CeilingCameraModel, FloorCameraModel, FlowModel, ForwardCameraModel, GyroModel, RangeCameraModel,
-        Reach, WheelModel,
+        Reach, SteeringModel, WheelModel,
     },
 };
 use serde_json::{Value, json};
@@ -29,6 +29,10 @@ impl Setup {
             "stamp_error_s": scene.robot.delivery.stamp_tolerance_s,
             "devices": ["wheels", "gyro", "flow"],
         });
+        if let Some(encoder) = &scene.robot.steering_encoder {
+            robot["steering"] = steering_model(encoder.model(&scene.robot.base));
+            robot["clock"]["devices"] = json!(["wheels", "gyro", "flow", "steering_encoder"]);
+        }
         Setup { protocol: PROTOCOL, map: map(scene.map()), robot }
     }
 }
@@ -111,8 +115,18 @@ fn placed_marker(marker: PlacedMarker) -> Value {
 }
 
 fn robot(model: RobotModel) -> Value {
-    let RobotModel { wheels, reach, body, floor_camera, forward_camera, gyro, flow, ceiling_camera, range_camera } =
-        model;
+    let RobotModel {
+        wheels,
+        reach,
+        body,
+        floor_camera,
+        forward_camera,
+        gyro,
+        flow,
+        ceiling_camera,
+        range_camera,
+        steering: _,
+    } = model;
     json!({
         "wheels": wheel_model(wheels),
         "reach": reach_model(reach),
@@ -171,6 +185,13 @@ fn gyro_model(gyro: GyroModel) -> Value {
 fn flow_model(flow: FlowModel) -> Value {
     object!(flow: FlowModel {
         position_m, metres_per_count, scale_change, yaw_rad, quantisation_counts, back_and_forth_m, period_s
+    })
+}
+
+fn steering_model(steering: SteeringModel) -> Value {
+    object!(steering: SteeringModel {
+        wheelbase_m, rad_per_tick, zero_rad, scale, rate_rad_per_s, slip_share, slip_rad_per_m,
+        slip_floor_rad
     })
 }
 

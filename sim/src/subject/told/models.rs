@@ -54,6 +54,7 @@ impl Scene {
             flow: robot.flow.as_ref().map(Flow::model),
             ceiling_camera: robot.ceiling_camera.as_ref().map(CeilingCamera::model),
             range_camera: robot.range_camera.as_ref().map(RangeCamera::model),
+            steering: robot.steering_encoder.as_ref().map(|encoder| encoder.model(&robot.base)),
         };
         // The localizer uses the clock of the base. Stamps of cameras may differ from it by the base clock's own error in addition to theirs.
         let base_s = robot.delivery.stamp_tolerance_s;

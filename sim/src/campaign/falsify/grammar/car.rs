@@ -6,7 +6,7 @@ use toml::{Table, Value};
 use crate::{
     base::TurningCircle,
     campaign::falsify::dice::{Draws, rounded},
-    scene::{Robot, Route},
+    scene::{Robot, Route, SteeringEncoder},
 };
 
 use super::{
@@ -16,6 +16,9 @@ use super::{
 
 /// Probability with which the robot of a scene with a route is a car, where the room is large enough.
 const PROBABILITY: f64 = 0.12;
+
+/// Probability with which a car has a steering encoder.
+const ENCODER_PROBABILITY: f64 = 0.7;
 
 /// Room that a car needs besides its body to drive at all.
 const FREE_M: f64 = 1.5;
@@ -36,6 +39,7 @@ pub(super) fn settle(robot: &mut Table, draws: &Draws, room_m: [f64; 2], has_rou
     });
     let fits = |(_, body_m): &(f64, f64)| room_m[0].min(room_m[1]) > 2.0 * body_m + FREE_M;
     let Some((wheelbase_m, body_m)) = built.filter(fits) else {
+        robot.insert("steering_encoder".to_owned(), Value::Boolean(false));
         let base = table(robot, "base");
         base.remove("ackermann");
         if base.contains_key("kind") {
@@ -47,6 +51,25 @@ pub(super) fn settle(robot: &mut Table, draws: &Draws, room_m: [f64; 2], has_rou
     let base = table(robot, "base");
     base.insert("kind".to_owned(), Value::String("ackermann".to_owned()));
     table(base, "ackermann").insert("wheelbase_m".to_owned(), Value::Float(wheelbase_m));
+    settle_encoder(robot, draws);
+}
+
+/// Fits a steering encoder to some cars, and declares bounds on their steering that such a car keeps: its own steering rate, and slip that is at
+/// least ten times the default one, which was measured on one car.
+fn settle_encoder(robot: &mut Table, draws: &Draws) {
+    let mut dice = draws.dice("steering encoder");
+    let rate_deg_per_s = meaning::<Robot>(robot).map(|robot| robot.base.ackermann.steering_rate_deg_per_s);
+    let Some(rate_deg_per_s) = rate_deg_per_s.filter(|_| dice.chance(ENCODER_PROBABILITY)) else {
+        robot.insert("steering_encoder".to_owned(), Value::Boolean(false));
+        return;
+    };
+    let usual = SteeringEncoder::default();
+    let encoder = table(robot, "steering_encoder");
+    let mut state = |key: &str, value: f64| encoder.insert(key.to_owned(), Value::Float(rounded(value, 3)));
+    state("rate_deg_per_s", rate_deg_per_s * dice.uniform(1.0, 2.0));
+    state("slip_share", usual.slip_share * dice.log_uniform(10.0, 60.0));
+    state("slip_deg_per_m", usual.slip_deg_per_m * dice.log_uniform(10.0, 100.0));
+    state("slip_floor_deg", usual.slip_floor_deg * dice.log_uniform(10.0, 100.0));
 }
 
 /// Turns a car at its start towards its first waypoint, and moves the waypoints to places to which it can drive. The route ends where no such place

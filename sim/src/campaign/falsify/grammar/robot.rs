@@ -39,7 +39,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
     for ((name, ..), is_fitted) in CAMERAS.iter().zip(cameras) {
         fit(robot, name, is_fitted);
     }
-    for device in ["encoders", "gyro", "flow"] {
+    for device in ["encoders", "gyro", "flow", "steering_encoder"] {
         if let Some(Value::Table(device)) = robot.get_mut(device)
             && let Some(period_s) = number(device, "period_s")
         {

@@ -32,7 +32,7 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 55] = [
+const CHANCES: [(&str, f64); 56] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("log", 0.0),
@@ -72,6 +72,7 @@ const CHANCES: [(&str, f64); 55] = [
     ("robot.gyro", 1.0),
     ("robot.flow", 1.0),
     ("robot.scanner", 0.5),
+    ("robot.steering_encoder", 1.0),
     // Worn wheels are rare: a wheel worn beyond its tolerance exceeds a declared bound from the first second on, so that the run shows nothing more.
     ("robot.base.wheel_wear", 0.02),
     ("floor.tiles.misplaced", 0.03),
@@ -95,7 +96,7 @@ const CHANCES: [(&str, f64); 55] = [
 
 /// Ranges from which values of keys are drawn, narrower than those of the schema: beyond them a robot tips over, stands still, or sees nothing, and
 /// every run is the same.
-const RANGES: [(&str, [f64; 2]); 141] = [
+const RANGES: [(&str, [f64; 2]); 146] = [
     ("start.tolerance_m", [0.0, 0.5]),
     ("start.tolerance_deg", [0.0, 20.0]),
     ("station.tolerance_m", [0.0, 0.3]),
@@ -125,6 +126,11 @@ const RANGES: [(&str, [f64; 2]); 141] = [
     ("robot.base.ackermann.front_share", [0.3, 0.7]),
     ("robot.base.ackermann.max_steering_deg", [15.0, 40.0]),
     ("robot.base.ackermann.steering_rate_deg_per_s", [20.0, 300.0]),
+    ("robot.base.ackermann.wheelbase_tolerance", [0.0, 0.03]),
+    ("steering_encoder.period_s", [0.001, 0.1]),
+    ("steering_encoder.zero_tolerance_deg", [0.0, 2.0]),
+    ("steering_encoder.zero_shift_deg", [-0.2, 0.2]),
+    ("steering_encoder.scale_tolerance", [0.0, 0.05]),
     ("robot.max_speed_m_per_s", [0.1, 0.8]),
     ("robot.max_turn_rate_rad_per_s", [0.3, 2.5]),
     ("robot.max_acceleration_m_per_s2", [0.1, 1.5]),
