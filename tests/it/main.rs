@@ -111,6 +111,10 @@ mod world_drifts;
 mod cars;
 /// Tests of a car's errands: planned curves against geometry worked out by hand, the law that follows them, jumps of the estimate, things in the way.
 mod car_errands;
+/// Tests of a car with a steering encoder: what it reads, how much better the heading is known by it, blame, and refused robots.
+mod steering;
+/// Tests of the turn that a car can have made by its steering angle: each part by hand, and against the integral of random drives.
+mod steering_enclosure;
 /// Tests of routes that the robot drives by estimated poses, and of the default bounds on such a drive.
 mod world_driver;
 /// Tests of occupancy grids, paths through them and their files, against maps drawn by hand and the rules of ROS's map_server.
