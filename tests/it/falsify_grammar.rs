@@ -18,11 +18,17 @@ fn stated(table: &toml::Table, path: &str, found: &mut BTreeSet<String>) {
 
 #[test]
 fn every_key_that_scenes_have_is_drawn_but_those_without_effect_on_a_run() {
-    // Keys of scenes that are never drawn: texts for people, a file that does not exist, a scene's own expectations, a chessboard that only
-    // calibrations use, what is said about logs, which no run reads, the settings of filters, which the search does not test, and what is
-    // outdoors, where random rooms are not.
-    const NEVER: [&str; 5] =
-        ["description", "expect", "navigation.map", "localizer.mapped_landmarks.map", "building.picture.chessboard"];
+    // Keys of scenes that are never drawn: texts for people, files that do not exist and what is confused in one, a scene's own expectations, a
+    // chessboard that only calibrations use, what is said about logs, which no run reads, the settings of filters, which the search does not test,
+    // and what is outdoors, where random rooms are not.
+    const NEVER: [&str; 6] = [
+        "description",
+        "expect",
+        "navigation.map",
+        "localizer.mapped_landmarks.map",
+        "localizer.mapped_landmarks.confused_share",
+        "building.picture.chessboard",
+    ];
     // Keys of scenes that are drawn and then removed again, because drawn dots and markers are at their default height.
     const BY_DEFAULT: [&str; 2] = ["building.dot.height_m", "markers.marker.height_m"];
     let mut found = BTreeSet::new();

@@ -170,7 +170,7 @@ fn a_map_of_landmarks_in_pictures_guides_a_robot_that_has_nothing_but_a_camera_t
     assert!(error["mean"].as_f64().unwrap() < 0.05 && told.contains("point_matching"), "{error}\n{told}");
     // Another robot, whose camera stands higher and shows everything 1.4 times larger, finds what the first one has learnt.
     write_scene(&place, "room_other_robot", 3.0);
-    let arguments = ["repeat", "room_other_robot.toml", "--map", "map.json", "--seed", "8", "--out", "other"];
+    let arguments = ["repeat", "room_other_robot.toml", "--map", short_map(), "--seed", "8", "--out", "other"];
     let (code, told, errors) = outcome(&mut wherein(&place, &arguments));
     assert_eq!(code, 0, "{told}{errors}");
     let other = self::summary(&place, "other/room_other_robot/8")["methods"]["mapped_landmarks"].clone();

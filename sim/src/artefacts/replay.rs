@@ -1,6 +1,9 @@
 //! Replays a recording through a localizer, without the simulator: the same readings give the same estimates, bit for bit.
 
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 use localizer::{Estimate, reading::Camera};
 use thiserror::Error;
@@ -74,16 +77,32 @@ impl Replay {
 /// Replays a recording with the localizer `choice`, set up by the recorded scene or by the scene `other` if given. Whatever the localizer answers, the
 /// readings stay those of the recorded drive.
 pub fn replay(path: &Path, other: Option<&Scene>, choice: &SubjectChoice) -> Result<Replay, ReplayError> {
-    let mut replayer = Replayer {
-        path,
-        choice,
-        subject: other.map(|scene| (scene.clone(), subject(choice, scene))),
-        stamp: None,
-        offset_s: 0.0,
-        found: Replay::default(),
+    let subject = match other {
+        Some(scene) => {
+            let told = told(scene, path)?;
+            Some((scene.clone(), subject(choice, &told)))
+        }
+        None => None,
     };
+    let mut replayer = Replayer { path, choice, subject, stamp: None, offset_s: 0.0, found: Replay::default() };
     reader::read(path, &mut |part| replayer.hear(part))?;
     Ok(replayer.found)
+}
+
+/// A scene as the localizer of the recorded run was told it. What its seed has drawn of that is at the recording's end, so that the recording is read
+/// once more where it matters.
+fn told<'a>(scene: &'a Scene, path: &Path) -> Result<Cow<'a, Scene>, ReplayError> {
+    if !scene.localizer.mapped_landmarks().confuses() {
+        return Ok(Cow::Borrowed(scene));
+    }
+    let mut seed = 0;
+    reader::read::<ReplayError>(path, &mut |part| {
+        if let Part::Facts(facts) = part {
+            seed = facts.get("seed").and_then(|seed| seed.parse().ok()).unwrap_or(0);
+        }
+        Ok(())
+    })?;
+    Ok(scene.told(seed))
 }
 
 struct Replayer<'a> {
@@ -110,7 +129,10 @@ impl Replayer<'_> {
                     if let Some(map) = setup.map.filter(|_| setup.known.is_none()) {
                         return Err(ReplayError::NoMap { path: self.path.to_owned(), map });
                     }
-                    let localizer = subject(self.choice, &scene);
+                    let localizer = {
+                        let told = told(&scene, self.path)?;
+                        subject(self.choice, &told)
+                    };
                     self.subject = Some((scene, localizer));
                 }
             }

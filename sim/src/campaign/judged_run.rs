@@ -43,6 +43,8 @@ pub fn run_judged(
     witness: &mut dyn Witness,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(RunRecord, Verdict), RenderError> {
+    let told = scene.told(seed);
+    let scene = &*told;
     let mut tested = subject(choice, scene);
     let options = RunOptions { baselines: options.baselines || scene.expect.needs_baselines(), ..*options };
     let record = {

@@ -53,10 +53,11 @@ pub(super) fn sharpness(arguments: &SharpnessArguments, adapter: Option<&str>) -
     refuse_unsupported(&file.scene, &file.name)?;
     let mut renderer = file.scene.has_camera().then(|| Renderer::on_adapter(adapter)).transpose()?;
     let mut log = ReadingLog::default();
-    let mut subject = IntervalLocalizer::of(&file.scene);
+    let told = file.scene.told(seed);
+    let mut subject = IntervalLocalizer::of(&told);
     let bar = ProgressBar::new((file.scene.simulated_s() * 1e3) as u64);
     let record = run_witnessed(
-        &file.scene,
+        &told,
         seed,
         &mut subject,
         renderer.as_mut(),

@@ -48,7 +48,8 @@ pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) 
     let mut rows = Vec::new();
     for file in &files {
         for seed in seeds.clone() {
-            let scene = &file.scene;
+            let told = file.scene.told(seed);
+            let scene = &*told;
             let mut used = renderer.as_mut().filter(|_| scene.has_camera());
             let mut progress = |share: f64, simulated_s: f64| {
                 bar.set_message(format!(

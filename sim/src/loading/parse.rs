@@ -10,7 +10,7 @@ use toml::{
 
 use crate::{
     place::{landmark_map, navigation::map_server},
-    scene::{Scene, SceneError, Sources, conform, problem::Problem},
+    scene::{MethodName, Scene, SceneError, Sources, conform, problem::Problem},
 };
 
 use super::{contradiction::Contradiction, places};
@@ -95,8 +95,16 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
 /// Reads the map of landmarks that a scene names.
 fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction> {
     let room_m = [scene.room.width_m, scene.room.depth_m];
-    let in_pictures = scene.localizer.methods.iter().any(|name| scene.robot.shows_landmarks(*name));
+    let (robot, methods) = (&scene.robot, &scene.localizer.methods);
+    let in_pictures = methods.iter().any(|name| robot.shows_landmarks(*name));
     let Some(setup) = &mut scene.localizer.mapped_landmarks else { return Ok(()) };
+    if setup.confuses() && !in_pictures && methods.contains(&MethodName::MappedLandmarks) {
+        return Err(Contradiction {
+            key: "localizer.mapped_landmarks.confused_share".to_owned(),
+            expected: "landmarks without looks cannot be confused, expected 0, or a forward camera and no point camera"
+                .to_owned(),
+        });
+    }
     let Some(map) = &setup.map else { return Ok(()) };
     // A whole path needs no folder.
     let folder = folder.or(Path::new(map).is_absolute().then_some(Path::new("/")));

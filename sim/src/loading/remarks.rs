@@ -24,7 +24,18 @@ impl Scene {
                 Some(format!("`localizer.methods`: `{name}` has nothing to read, expected `{missing}`"))
             })
             .chain(unread)
+            .chain(self.confuses_nothing())
             .collect()
+    }
+
+    /// Says that landmarks of a map are to be confused and that there is no map, if so.
+    fn confuses_nothing(&self) -> Option<String> {
+        let setup = self.localizer.mapped_landmarks.as_ref().filter(|setup| setup.confuses() && setup.map.is_none())?;
+        Some(format!(
+            "`localizer.mapped_landmarks.confused_share = {}`: there is no map whose landmarks could be confused, expected \
+             `localizer.mapped_landmarks.map`, which `wherein repeat` sets",
+            setup.confused_share.unwrap_or_default()
+        ))
     }
 
     /// Says that the ceiling camera sees the dots of all markers too small to read them, if so.

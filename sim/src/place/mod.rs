@@ -10,6 +10,7 @@
 //! | `floor` | the floor under a point: friction, height, pile |
 //! | `sight` | what stands between two points |
 //! | [`landmark_map`] | files of maps of landmarks that a drive has learnt |
+//! | `confused_landmarks` | landmarks of a map that are confused with each other, where a scene asks for it |
 //! | [`navigation`] | where a robot can go: occupancy grids, their files, paths through them |
 
 pub mod drawn;
@@ -19,6 +20,7 @@ pub mod light;
 pub(crate) mod floor;
 pub(crate) mod sight;
 pub mod landmark_map;
+mod confused_landmarks;
 pub mod navigation;
 
 /// A person at an instant, as an upright cylinder on the floor.

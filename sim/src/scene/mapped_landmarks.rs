@@ -35,6 +35,13 @@ pub struct MappedLandmarksSetup {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.05, max = 1000.0))]
     pub least_depth_m: Option<f64>,
+    /// A fault of the map, for landmarks that are seen in pictures of the forward camera: share of the map's landmarks that are confused with a
+    /// neighbour, as a system does that matches what looks alike. The seed draws pairs of landmarks that a camera sees side by side, 10 to 30 px apart,
+    /// and exchanges their looks: each is then found where the other is, and its sightings are false. Unless given, it is 0. Where fewer landmarks have
+    /// such a neighbour, fewer are confused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub confused_share: Option<f64>,
     /// Contents of the file that the key `map` names.
     #[serde(skip)]
     pub known: Option<LandmarkMap>,
@@ -52,6 +59,7 @@ impl Default for MappedLandmarksSetup {
             wrong_share: None,
             wrong_items: None,
             least_depth_m: None,
+            confused_share: None,
             known: None,
             reading_s: None,
         }
@@ -66,6 +74,11 @@ impl MappedLandmarksSetup {
             (true, false) => Learning::Drives,
             (true, true) => Learning::Teaches,
         }
+    }
+
+    /// Whether landmarks of the map are confused with each other.
+    pub(crate) fn confuses(&self) -> bool {
+        self.confused_share.is_some_and(|share| share > 0.0)
     }
 
     /// What is declared of sightings in pictures, as the localizer is given it.

@@ -41,6 +41,8 @@ const CHANCES: [(&str, f64); 56] = [
     ("building.facade", 0.0),
     ("navigation.map", 0.0),
     ("localizer.mapped_landmarks.map", 0.0),
+    // Without a map there is nothing to confuse.
+    ("localizer.mapped_landmarks.confused_share", 0.0),
     ("duration_s", 0.0),
     ("room", 0.0),
     ("building.room", 0.1),
