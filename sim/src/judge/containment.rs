@@ -1,7 +1,7 @@
 //! Judges at every step whether the boxes contain the true pose, and finds what was to blame by counterfactual: a broken bound or a false claim is to
 //! blame only if the boxes hold the truth when the run is simulated again without it.
 
-use localizer::reading::Camera;
+mod misread;
 
 use crate::{
     render::RenderError,
@@ -11,9 +11,10 @@ use crate::{
 };
 
 use super::{
-    Replay, methods,
+    NamedClaims, Replay, methods,
     verdict::{Containment, FirstFailure, Judgement, Violation},
 };
+use misread::{Misread, misread, named};
 
 /// Greatest number of rounds in which the run is simulated again without the readings that have too many false claims. Without them later readings
 /// may make other claims, of which again too many may be false and which the next round leaves out.
@@ -32,6 +33,7 @@ struct Cause {
     judgement: Judgement,
     blame: String,
     because: String,
+    false_claims: Option<NamedClaims>,
 }
 
 /// A declared bound that was exceeded and may be to blame, with its greatest excess.
@@ -172,7 +174,7 @@ impl Trial<'_, '_> {
                 for index in 0..self.spans.len() {
                     let end_s = self.end_s(&self.spans[index]);
                     let begin_s = self.begin_s(&self.spans[index]);
-                    let first = withheld.iter().find(|misread| misread.arrived_s <= end_s).map(Misread::because);
+                    let first = withheld.iter().find(|misread| misread.arrived_s <= end_s);
                     let with = |candidate: &usize| with_bounds && self.may_have(*candidate, &self.spans[index]);
                     let blamed: Vec<usize> = (0..self.candidates.len()).filter(with).collect();
                     let began = withheld.iter().any(|misread| misread.arrived_s <= begin_s)
@@ -182,7 +184,9 @@ impl Trial<'_, '_> {
                         && began
                         && holds(&again, &self.spans[index])
                     {
-                        self.spans[index].cause = Some(self.cause(Judgement::Perception, &blamed, first));
+                        let named = named(scene, self.record, misperceived, [begin_s, end_s]);
+                        self.spans[index].cause =
+                            Some(self.cause(Judgement::Perception, &blamed, first.map(|first| (first, named))));
                     }
                 }
                 let before = withheld.len();
@@ -231,49 +235,19 @@ impl Trial<'_, '_> {
     }
 
     /// A cause of a failure, in the words in which the verdict reports it.
-    fn cause(&self, judgement: Judgement, blamed: &[usize], misread: Option<[String; 2]>) -> Cause {
+    fn cause(&self, judgement: Judgement, blamed: &[usize], misread: Option<(&Misread, Option<NamedClaims>)>) -> Cause {
         let candidates = || blamed.iter().map(|index| &self.candidates[*index]);
         let names = candidates().map(|candidate| candidate.violation.bound.clone());
         let reasons = candidates().map(Candidate::because);
-        let (told, why) = misread.map_or((None, None), |[told, why]| (Some(told), Some(why)));
+        let in_words = |(first, named): &(&Misread, Option<NamedClaims>)| {
+            (first.as_blame(named.as_ref()), first.because(named.as_ref()))
+        };
+        let (told, why) = misread.as_ref().map(in_words).unzip();
         let blame = told.into_iter().chain(names).collect::<Vec<_>>().join(" and ");
         let because = why.into_iter().chain(reasons).collect::<Vec<_>>().join(", and ");
-        Cause { judgement, blame, because: format!("{because}, the same commands hold the truth") }
+        let because = format!("{because}, the same commands hold the truth");
+        Cause { judgement, blame, because, false_claims: misread.and_then(|(_, named)| named) }
     }
-}
-
-/// A reading that has more wrong claims than the scene declares for its method, alone or with the readings counted together with it.
-struct Misread {
-    method: &'static str,
-    camera: Option<Camera>,
-    measured_s: f64,
-    arrived_s: f64,
-    number: usize,
-}
-
-impl Misread {
-    fn because(&self) -> [String; 2] {
-        let Misread { method, number, measured_s, .. } = self;
-        [
-            format!("{method}: false claims in image {number}"),
-            format!(
-                "{method} claimed more falsely than declared, first in image {number} at {measured_s:.2} s; without such images"
-            ),
-        ]
-    }
-}
-
-fn misread(record: &RunRecord, misperceived: &[bool]) -> Vec<Misread> {
-    let wrong = record.images.iter().zip(misperceived).filter(|(_, is_misread)| **is_misread);
-    wrong
-        .map(|(image, _)| Misread {
-            method: image.method,
-            camera: image.camera,
-            measured_s: image.measured_s,
-            arrived_s: image.arrived_s,
-            number: image.number,
-        })
-        .collect()
 }
 
 /// The spans of consecutive steps at which the truth is outside the union of boxes.
@@ -328,10 +302,10 @@ fn first_failure(record: &RunRecord, span: &Span, n_replays: usize) -> FirstFail
             0 => "no declared bound was exceeded and no claim was false".to_owned(),
             n => format!("none of {n} runs without what was exceeded or falsely claimed holds the truth"),
         };
-        Cause { judgement: Judgement::Unsound, blame: because.clone(), because }
+        Cause { judgement: Judgement::Unsound, blame: because.clone(), because, false_claims: None }
     };
-    let Cause { judgement, blame, because } = span.cause.clone().unwrap_or_else(nobody);
-    FirstFailure { time_s: truth.time_s, axis, margin, outcome: judgement, blame, because }
+    let Cause { judgement, blame, because, false_claims } = span.cause.clone().unwrap_or_else(nobody);
+    FirstFailure { time_s: truth.time_s, axis, margin, outcome: judgement, blame, because, false_claims }
 }
 
 /// The axis along which a pose lies farthest outside a hull (the smallest box around a union of boxes), and how far. The distance is 0 for a pose

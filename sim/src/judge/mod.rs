@@ -13,6 +13,7 @@ mod distribution;
 mod landmarks;
 mod markers;
 mod methods;
+mod named;
 mod post;
 mod space_points;
 mod taught_map;
@@ -29,6 +30,7 @@ pub use honesty::honesty;
 pub(crate) use markers::wholly_in_view;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
+pub use named::{NamedClaim, NamedClaims};
 pub use post::{PostLocalization, PostStep, post_steps};
 pub(crate) use statistics::{SETTLED_S, errors, fix_width, midpoint};
 pub use verdict::{

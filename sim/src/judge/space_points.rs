@@ -69,6 +69,25 @@ pub(super) fn is_seen(
     Some(have_common_point(&halves))
 }
 
+/// Greatest distance in the picture, in pixels, that is measured: beyond it a landmark is not where the camera looks.
+const FARTHEST_PX: f64 = 4096.0;
+/// Difference, in pixels, to which a distance is measured.
+const FINEST_PX: f64 = 0.01;
+
+/// How far, along u or along v, a pixel is from the nearest one at which the true forward camera shows some point of a landmark's box: the half width
+/// of the least square about the pixel in which one is seen. `None` where the camera shows none, or there is no such camera.
+pub(super) fn off_px(point: &SpacePoint, at_px: [f64; 2], scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<f64> {
+    let is_within = |half_px: f64| is_seen(point, at_px, [half_px; 2], scene, drawn, truth) == Some(true);
+    let doubled = std::iter::successors(Some(1.0), |half_px| Some(2.0 * half_px));
+    let mut far_px = doubled.take_while(|half_px| *half_px <= FARTHEST_PX).find(|half_px| is_within(*half_px))?;
+    let mut near_px = 0.0;
+    while far_px - near_px > FINEST_PX {
+        let half_px = 0.5 * (near_px + far_px);
+        if is_within(half_px) { far_px = half_px } else { near_px = half_px }
+    }
+    Some(far_px)
+}
+
 /// Figures of landmarks that a baseline matched with corners of pictures; empty for a run without such a picture.
 pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     let pictures = &record.landmark_baselines.pictures;
@@ -159,11 +178,16 @@ mod tests {
         assert!(!seen(1e-9, [middle[0] + 0.51, middle[1]]) && !seen(1e-9, [middle[0], middle[1] - 0.51]));
         // A slope that is known to 0.01 moves it by 4 px at most.
         assert!(seen(0.01, [middle[0] + 4.4, middle[1]]) && !seen(0.01, [middle[0] + 4.6, middle[1]]));
+        // How far off a pixel is that does not show it, along the axis on which it is farther off.
+        let off = |half: f64, at_px: [f64; 2]| off_px(&point(half), at_px, &scene, &drawn, &truth).unwrap();
+        assert!((off(1e-9, [middle[0] + 23.0, middle[1] - 7.0]) - 23.0).abs() < 0.02, "23 px");
+        assert!((off(0.01, [middle[0] - 23.0, middle[1]]) - 19.0).abs() < 0.2, "4 px of them are the box's");
         // What is behind the camera is not seen, though its image would be there.
         let behind =
             SpacePoint { anchor: Anchor { is_positive: false, ..anchor }, value: point(1e-9).value.map(|at| -at) };
         let behind = SpacePoint { value: [behind.value[0], behind.value[1], -behind.value[2]], ..behind };
         assert_eq!(is_seen(&behind, middle, [0.5, 0.5], &scene, &drawn, &truth), Some(false));
+        assert_eq!(off_px(&behind, middle, &scene, &drawn, &truth), None);
     }
 
     #[test]

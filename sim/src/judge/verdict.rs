@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::subject::Failure;
 
-use super::post::PostLocalization;
+use super::{NamedClaims, post::PostLocalization};
 
 mod distribution;
 
@@ -122,6 +122,9 @@ pub struct FirstFailure {
     pub blame: String,
     /// By how much the bound or the number of false claims was exceeded, and with which change the same commands keep the truth inside the boxes.
     pub because: String,
+    /// For false claims that are to blame, those of the last reading with too many of them before the truth was outside, by name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub false_claims: Option<NamedClaims>,
 }
 
 /// A time range in which a quantity exceeded its declared bound.
