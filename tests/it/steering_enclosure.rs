@@ -131,6 +131,21 @@ fn slip_along_the_way_and_ticks_count_once_for_each_change_of_the_angle() {
 }
 
 #[test]
+fn slip_and_ticks_that_go_one_way_and_back_turn_a_car_that_is_steered_one_way_and_back() {
+    // The tangent goes from 0.44 to −0.44 in ten steps, as fast as it can. Wheels that slip by 2 mm by the time it is 0 and back to −2 mm turn the car by
+    // about 2 mm · 3 · 0.44/0.5 m = 5.3 mrad; and ticks of 4 mm, each off by half to either side, by 2 mm · 4 · 0.44/0.5 m = 7.1 mrad.
+    let most_rad = 0.5_f64.atan();
+    let angles: Vec<f64> = (0..11).map(|idx| most_rad * (1.0 - 0.2 * f64::from(idx))).collect();
+    let quick = SteeringModel { rate_rad_per_s: 2.0 * most_rad * (1.0 + 1e-6), ..plain() };
+    let radius = |wheels: &WheelModel| turn(&[0.04; 10], &angles, quick, wheels, 0.0).radius();
+    let whole_rad = radius(&exact());
+    let slipped_rad = radius(&WheelModel { slip_floor_m: 0.002, ..exact() }) - whole_rad;
+    assert!(slipped_rad > 0.0052 && slipped_rad < 0.0058, "{slipped_rad}");
+    let counted_rad = radius(&WheelModel { ticks_per_turn: 0.1 * TAU / 0.004, ..exact() }) - whole_rad;
+    assert!(counted_rad > 0.0069 && counted_rad < 0.0077, "{counted_rad}");
+}
+
+#[test]
 fn errors_of_the_encoder_and_of_the_wheelbase_turn_the_car_by_what_they_are() {
     // 0.4 m, at the tangent 0.5 on a circle of 1 m: 0.4 rad. A zero of 1 mrad turns the car by sec² δ/L · 1 mrad · 0.4 m = 1 mrad, and so does half a
     // tick of 2 mrad; a scale of 1 % by δ times that; a wheelbase that is 1 % too long by 1 % of the whole.
@@ -177,6 +192,12 @@ fn readings_that_are_missing_late_or_doubled_never_make_the_turn_narrower_than_i
     (0..3).for_each(|idx| assert!(beside.push(0.1 * f64::from(idx), [0; 2])));
     let untold = beside.motion(0.0, 0.2, &exact(), &reach(1.0)).expect("in the history");
     assert!(untold[2].contains(0.0) && beside.push_steering(0.1, 0.0) == Some(true));
+    // Between two readings 4 s apart the angle may have been any, so that the car may have turned by any angle on its way of 4 m.
+    let mut rare = WheelHistory::new(100.0).with_steering(plain());
+    (0..41).for_each(|idx| assert!(rare.push(0.1 * f64::from(idx), [100_000 * i64::from(idx); 2])));
+    assert!(rare.push_steering(0.0, 0.0) == Some(true) && rare.push_steering(4.0, 0.0) == Some(true));
+    let unknown = rare.motion(0.0, 4.0, &exact(), &reach(0.0)).expect("in the history")[2];
+    assert!(unknown.contains(3.0) && unknown.contains(-3.0), "{unknown}");
 }
 
 /// A generator of numbers that prefers the ends of intervals.
