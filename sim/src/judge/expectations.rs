@@ -82,7 +82,7 @@ pub fn metric_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Beginnings of the names of figures that only a localizer can have which states boxes.
-const OF_BOXES: [&str; 12] = [
+const OF_BOXES: [&str; 13] = [
     "availability",
     "containment.",
     "error.at_fix.",

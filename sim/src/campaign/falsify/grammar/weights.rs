@@ -32,7 +32,7 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
 
 /// Probabilities with which random scenes state their keys. A probability of 0 is for keys that the module `settled` fills in afterwards, that the
 /// localizer does not read, or that name a file that does not exist.
-const CHANCES: [(&str, f64); 56] = [
+const CHANCES: [(&str, f64); 57] = [
     ("description", 0.0),
     ("expect", 0.0),
     ("log", 0.0),
