@@ -176,9 +176,11 @@ mod tests {
 
     #[test]
     fn a_scene_that_gets_its_map_later_is_told_how_to_be_checked_with_one() {
-        let mut scene = Scene::default();
+        let text = "duration_s = 1.0\n[room]\nwidth_m = 5.0\ndepth_m = 5.0\n[robot]\nfloor_camera = false\nforward_camera = true\n\
+                    [localizer]\nmethods = [\"wall_directions\"]\n[start]\nx_m = 1.0\ny_m = 1.0\n\
+                    [[route.waypoint]]\nx_m = 3.0\ny_m = 1.0\n";
+        let mut scene = Scene::parse(text, "scene.toml").unwrap();
         scene.localizer.methods = vec![MethodName::MappedLandmarks];
-        scene.robot.forward_camera = Some(Default::default());
         let found = nothing_told_to(&[MAPPED_LANDMARKS]);
         assert_eq!(of(&scene, &found), [MAP_MISSING]);
         // A scene that teaches a map has another method, which is looked at alone.
