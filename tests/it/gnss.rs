@@ -390,7 +390,9 @@ fn a_window_of_one_key_frame_and_a_robot_that_makes_no_way_are_not_looked_back_a
     assert!(error.contains("localizer.post_window = 1") && error.contains("from 2 to 1000"), "{error}");
     let mut stations: toml::Table = text.replace("post_window = 1", "post_window = 9").parse().unwrap();
     stations.remove("route").unwrap();
-    let station = toml::Table::from_iter([("x_m", 2.0), ("y_m", 2.0)].map(|(key, at_m)| (key.to_owned(), at_m.into())));
+    let station = toml::Table::from_iter(
+        [("x_m", 2.0), ("y_m", 2.0), ("heading_deg", 0.0)].map(|(key, at_m)| (key.to_owned(), at_m.into())),
+    );
     stations.insert("station".to_owned(), toml::Value::Array(vec![station.into()]));
     let error = refusal(&stations.to_string());
     assert!(error.contains("localizer.post_window") && error.contains("`[route]` or errands"), "{error}");

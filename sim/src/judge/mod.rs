@@ -30,13 +30,13 @@ pub use honesty::honesty;
 pub(crate) use markers::wholly_in_view;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
-pub use named::{NamedClaim, NamedClaims};
-pub use post::{PostLocalization, PostStep, post_steps};
+pub use post::{PostStep, post_steps};
 pub(crate) use statistics::{SETTLED_S, errors, fix_width, midpoint};
 pub use verdict::{
     AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Calibration, Containment,
-    Distribution, ErrorTable, FirstFailure, FixWidth, Halvings, Judgement, Latency, MethodCounts, Nees, Passed,
-    PositionError, Power, PowerTable, Region, Verdict, Violation, WidthTable,
+    Distribution, ErrorTable, FirstFailure, FixWidth, Halvings, Judgement, Latency, MethodCounts, NamedClaim,
+    NamedClaims, Nees, Passed, PositionError, PostLocalization, Power, PowerTable, Region, Verdict, Violation,
+    WidthTable,
 };
 
 use std::collections::BTreeMap;

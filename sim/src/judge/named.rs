@@ -1,7 +1,6 @@
 //! False claims by their names: what was claimed to be seen, where in the picture, and how far off that is by the simulator's own camera.
 
 use localizer::Claim;
-use serde::Serialize;
 
 use crate::{
     run::{ImageRecord, RunRecord},
@@ -10,39 +9,14 @@ use crate::{
     world::Drawn,
 };
 
-use super::{claims::is_true, space_points};
+use super::{
+    claims::is_true,
+    space_points,
+    verdict::{NamedClaim, NamedClaims},
+};
 
 /// Greatest number of false claims of a reading that are named.
 const MOST_NAMED: usize = 3;
-
-/// The false claims of one reading, the worst of them by name.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NamedClaims {
-    /// Name of the method that made them.
-    pub method: &'static str,
-    /// Number of the reading in the run, which its debug frames have in their names.
-    pub image: usize,
-    /// Stamp of the reading.
-    pub measured_s: f64,
-    /// The worst false claims: those that are farthest off, as far as that is known.
-    pub worst: Vec<NamedClaim>,
-    /// Number of the reading's other false claims.
-    pub more: usize,
-}
-
-/// A false claim.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NamedClaim {
-    /// What was claimed to be seen.
-    pub what: String,
-    /// Column and row in the picture where it was claimed to be, or the middle of the places; left out for a reading that is no picture.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub at_px: Option<[f64; 2]>,
-    /// For a landmark in space the greater of the distances, along u and along v, from the nearest place at which the true camera shows a point of
-    /// its box; left out where it shows none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub off_px: Option<f64>,
-}
 
 impl NamedClaims {
     /// The false claims of a reading of a run.

@@ -6,11 +6,13 @@ use serde::Serialize;
 
 use crate::subject::Failure;
 
-use super::{NamedClaims, post::PostLocalization};
-
 mod distribution;
+mod named;
+mod post_localization;
 
 pub use distribution::{Calibration, Distribution, Nees, Region};
+pub use named::{NamedClaim, NamedClaims};
+pub use post_localization::PostLocalization;
 
 /// How an estimate relates to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

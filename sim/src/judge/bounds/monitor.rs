@@ -1,6 +1,6 @@
 //! Watches one declared bound over time.
 
-use crate::{devices::BoundCheck, judge::verdict::Violation};
+use crate::{devices::BoundCheck, judge::verdict::Violation, truth::Truth};
 
 /// Excesses of a bound that are closer together in time than this are one violation, because several windows and images show the same cause.
 const JOIN_S: f64 = 0.25;
@@ -59,6 +59,37 @@ impl Violation {
     fn deepen(&mut self, declared: f64, true_value: f64) {
         if true_value - declared > self.excess() {
             (self.true_value, self.declared) = (true_value, declared);
+        }
+    }
+}
+
+/// Checks all windows that end at the step `end`. `measure` gives the declared bound and the true error from one step to another.
+///
+/// An excess is reported at its greatest over all windows, and dated by the shortest windows that show it: a longer window merely contains
+/// such a short one.
+pub(super) fn watch_windows(
+    monitor: &mut Monitor,
+    truths: &[Truth],
+    measure: impl Fn(usize, usize) -> (f64, f64),
+    starts: std::ops::Range<usize>,
+    end: usize,
+) {
+    let exceeds = |start: usize, end: usize| {
+        let (declared, error) = measure(start, end);
+        error > declared
+    };
+    let mut dated = false;
+    for start in starts.rev() {
+        let (declared, error) = measure(start, end);
+        if error <= declared {
+            continue;
+        }
+        let is_shortest = !dated && (end - start == 1 || !exceeds(start, end - 1));
+        dated = true;
+        if is_shortest {
+            monitor.watch([truths[start].time_s, truths[end].time_s], declared, error);
+        } else {
+            monitor.deepen(truths[end].time_s, declared, error);
         }
     }
 }

@@ -4,7 +4,10 @@
 use crate::{run::RunRecord, scene::Scene, truth::Truth};
 use localizer::bounds;
 
-use super::{Monitor, steering};
+use super::{
+    monitor::{Monitor, watch_windows},
+    steering,
+};
 
 /// Monitors of the bounds on the robot's motion, each drive by itself: from one station to the next the robot is put, it does not roll.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
@@ -51,37 +54,6 @@ fn measure(rolled: &[Rolled], channel: usize, [ratio, floor_m]: [f64; 2]) -> imp
         let path_m = rolled[end].path_m[channel] - rolled[start].path_m[channel];
         let error_m = (rolled[end].error_m[channel] - rolled[start].error_m[channel]).abs();
         (ratio * path_m + floor_m, error_m)
-    }
-}
-
-/// Checks all windows that end at the step `end`. `measure` gives the declared bound and the true error from one step to another.
-///
-/// An excess is reported at its greatest over all windows, and dated by the shortest windows that show it: a longer window merely contains
-/// such a short one.
-pub(super) fn watch_windows(
-    monitor: &mut Monitor,
-    truths: &[Truth],
-    measure: impl Fn(usize, usize) -> (f64, f64),
-    starts: std::ops::Range<usize>,
-    end: usize,
-) {
-    let exceeds = |start: usize, end: usize| {
-        let (declared, error) = measure(start, end);
-        error > declared
-    };
-    let mut dated = false;
-    for start in starts.rev() {
-        let (declared, error) = measure(start, end);
-        if error <= declared {
-            continue;
-        }
-        let is_shortest = !dated && (end - start == 1 || !exceeds(start, end - 1));
-        dated = true;
-        if is_shortest {
-            monitor.watch([truths[start].time_s, truths[end].time_s], declared, error);
-        } else {
-            monitor.deepen(truths[end].time_s, declared, error);
-        }
     }
 }
 

@@ -4,7 +4,7 @@ use localizer::bounds;
 
 use crate::{base::DrawnBase, scene::Scene, truth::Truth};
 
-use super::{Monitor, motion::watch_windows};
+use super::monitor::{Monitor, watch_windows};
 
 /// Monitors of the bounds on steering rate and steering slip in one drive; none for a robot without a steering encoder.
 pub(super) fn monitors(scene: &Scene, truths: &[Truth], base: &DrawnBase) -> Vec<Monitor> {
