@@ -181,9 +181,12 @@ fn an_encoder_whose_zero_is_displaced_is_to_blame_by_what_it_should_have_been() 
     }
 }
 
+/// What is changed of what a scene states of its steering encoder.
+type Change = fn(&mut SteeringEncoder);
+
 #[test]
 fn bounds_on_steering_that_are_declared_too_narrow_are_broken_and_to_blame() {
-    let narrow: [(&str, fn(&mut SteeringEncoder)); 2] = [
+    let narrow: [(&str, Change); 2] = [
         ("wheels.steering_rate", |encoder| encoder.rate_deg_per_s = 5.0),
         ("wheels.steering_slip", |encoder| {
             (encoder.slip_share, encoder.slip_deg_per_m, encoder.slip_floor_deg) = (0.0, 0.0, 0.0);
