@@ -100,7 +100,7 @@ mod tests {
     };
 
     use super::*;
-    use crate::judge::{Judgement, judge};
+    use crate::judge::{Judgement, judge, space_points::tests::scene};
 
     fn landmark(number: u32, off_px: Option<f64>) -> NamedClaim {
         NamedClaim { what: format!("landmark {number}"), at_px: Some([312.44, 187.0]), off_px }
@@ -127,31 +127,6 @@ mod tests {
             named(&all[..1], 0).in_words(),
             "in image 12 at 2.46 s: landmark 1 at (312.4, 187.0) px, 4.0 px off"
         );
-    }
-
-    /// A robot at the origin of a room that looks along x with a level camera of 400 px focal length, 0.3 m above the floor.
-    fn scene() -> Scene {
-        let text = "
-            description = \"a camera\"
-            duration_s = 1.0
-            room = { width_m = 6.0, depth_m = 6.0 }
-            start = { x_m = 3.0, y_m = 3.0 }
-            localizer.methods = []
-            [route]
-            waypoint = [{ x_m = 4.0, y_m = 3.0 }]
-            [robot]
-            floor_camera = false
-            [robot.forward_camera]
-            width_px = 640
-            height_px = 480
-            horizontal_view_deg = 77.31961650818018
-            tilt_up_deg = 0.0
-            forward_m = 0.0
-            height_m = 0.3
-            calibration = { position_tolerance_m = 0.0, angle_tolerance_deg = 0.0, focal_tolerance = 0.0, \
-                            principal_point_tolerance_px = 0.0, distortion_tolerance_px = 0.0 }
-        ";
-        Scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
     }
 
     /// A claim of a landmark 2 m ahead of the origin at the camera's height, by so many pixels to the right of where it is.

@@ -132,14 +132,14 @@ fn have_common_point(halves: &[Half]) -> bool {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
+pub(super) mod tests {
     use interval::Interval;
     use localizer::map::Anchor;
 
     use super::*;
 
     /// A robot at the origin that looks along x with a camera of 400 px focal length, 0.3 m above the floor and level.
-    fn scene() -> Scene {
+    pub(in super::super) fn scene() -> Scene {
         let text = "
             description = \"a camera\"
             duration_s = 1.0

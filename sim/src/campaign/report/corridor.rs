@@ -10,11 +10,11 @@ use crate::judge::Judgement;
 
 use super::{incidents::Event, steps::Step};
 
-const WIDTH: f64 = 360.0;
-const LEFT: f64 = 44.0;
-const PANEL: f64 = 66.0;
-const GAP: f64 = 10.0;
-const BOTTOM: f64 = 18.0;
+pub(super) const WIDTH: f64 = 360.0;
+pub(super) const LEFT: f64 = 44.0;
+pub(super) const PANEL: f64 = 66.0;
+pub(super) const GAP: f64 = 10.0;
+pub(super) const BOTTOM: f64 = 18.0;
 /// Greatest number of points of a curve: one for every pixel and a half of a phone's screen.
 const POINTS: usize = 220;
 

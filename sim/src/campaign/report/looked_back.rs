@@ -5,11 +5,7 @@ use std::{fmt::Write, fs, path::Path};
 
 use crate::artefacts::run_files::POST_LOCALIZATION;
 
-const WIDTH: f64 = 360.0;
-const LEFT: f64 = 44.0;
-const PANEL: f64 = 66.0;
-const GAP: f64 = 10.0;
-const BOTTOM: f64 = 18.0;
+use super::corridor::{BOTTOM, GAP, LEFT, PANEL, WIDTH};
 
 /// A key frame that was looked back at: for post-localization and in real time, the bounds of the interval error along x in m, y in m and heading in
 /// rad.
