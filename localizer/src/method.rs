@@ -7,7 +7,7 @@ use std::sync::Arc;
 use interval::{Interval, contractor::Contractor};
 
 use crate::{
-    PoseUnion, Reading,
+    PoseBox, PoseUnion, Reading,
     bounds::Assumption,
     graph::{Relations, Variable},
     map::{SeenAgain, SpacePoint},
@@ -108,6 +108,12 @@ pub trait Memory {
     /// Whether key frames of the whole drive are to be kept, so that at its end everything is bounded by all of them.
     fn keeps_drive(&self) -> bool {
         false
+    }
+
+    /// What the readings at some stamps relate of which learning alone may make use, since nothing bounds how much of it may be wrong: for each part of the
+    /// landmarks that is bounded apart from the others, what it has at which stamps. `_shown` are the stamps, with boxes of the poses there.
+    fn learns_of_together(&self, _shown: &[(f64, PoseBox)]) -> Vec<Vec<(f64, Arc<dyn Relations>)>> {
+        Vec::new()
     }
 
     /// Landmarks that have been learnt: code, and box of world x and y.

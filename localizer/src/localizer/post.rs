@@ -7,11 +7,13 @@
 //!
 //! A map is made in this way where it is taught. A drive by the map can be looked at in this way, too ([`Localizer::post_localizing`]).
 
+use std::sync::Arc;
+
 use interval::Interval;
 
 use crate::{
     PoseBox, PoseUnion,
-    graph::{Hull, Variable},
+    graph::{Hull, KeyFrames, Relations, Variable},
     map::{SeenAgain, SpacePoint},
     reading::LandmarkId,
     vision::point_features::Landmark,
@@ -24,6 +26,8 @@ use super::Localizer;
 const WINDOW: usize = 24;
 /// Number of passes over the drive. There the second one makes the volumes smaller by a tenth to a sixth, the third by some hundredths.
 const PASSES: usize = 3;
+/// Number of passes over the drive in which landmarks in pictures are bounded.
+const LEARNING_PASSES: usize = 2;
 
 /// Poses of a drive, by what was read after them as well as before.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,8 +63,11 @@ impl Localizer {
     /// The landmarks in space that all methods know, from a map or learnt. Where a method keeps the whole drive, they are first bounded by all of it,
     /// which takes about as long as the drive's own work did; there are none then if the readings contradict each other.
     pub fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
-        if self.memories().any(|memory| memory.keeps_drive()) && !self.post_localize(WINDOW) {
-            return Vec::new();
+        if self.memories().any(|memory| memory.keeps_drive()) {
+            if !self.post_localize(WINDOW) {
+                return Vec::new();
+            }
+            self.learn_of_drive();
         }
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.space_points()).collect()
     }
@@ -80,10 +87,53 @@ impl Localizer {
     fn post_localize(&mut self, window: usize) -> bool {
         self.learn_ways();
         self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
+        let firsts = self.firsts(window);
+        (0..PASSES).all(|_| firsts.iter().all(|&first| self.bound_window(first, window)))
+    }
+
+    /// The places, among all key frames, of the first ones of windows of which each shares half with the next.
+    fn firsts(&self, window: usize) -> Vec<usize> {
         let last = self.graph.frames.n_frames().saturating_sub(window);
         // The last window ends with the last key frame.
-        let firsts: Vec<usize> = (0..last).step_by((window / 2).max(1)).chain([last]).collect();
-        (0..PASSES).all(|_| firsts.iter().all(|&first| self.bound_window(first, window)))
+        (0..last).step_by((window / 2).max(1)).chain([last]).collect()
+    }
+
+    /// Bounds the landmarks that methods learn by what pictures of a whole window show of them together. Poses do not rely on it: where parts
+    /// contradict the rest, nothing is learnt of them.
+    fn learn_of_drive(&mut self) {
+        for _ in 0..LEARNING_PASSES {
+            for first in self.firsts(WINDOW) {
+                let frames = self.graph.frames.window(first, WINDOW);
+                let shown: Vec<(f64, PoseBox)> = frames.poses().collect();
+                for at in 0..self.methods.len() {
+                    let parts =
+                        self.methods[at].memory().map_or_else(Vec::new, |memory| memory.learns_of_together(&shown));
+                    for part in parts {
+                        self.learn_part(at, frames.clone(), &part);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bounds the landmarks of a part of what the method with the given place sees at the key frames of a window.
+    fn learn_part(&mut self, at: usize, mut frames: KeyFrames, part: &[(f64, Arc<dyn Relations>)]) {
+        let source = self.methods[at].name();
+        for (stamp_s, reading) in frames.readings_mut().filter(|(_, reading)| reading.source == source) {
+            if let Some((_, relations)) = part.iter().find(|(part_s, _)| *part_s == stamp_s) {
+                reading.relations = Arc::clone(relations);
+            }
+        }
+        let (Ok(related), Some(newest_s)) = (frames.related(&[]), frames.latest_s()) else { return };
+        let is_point = |one: &Variable| matches!(one, Variable::Point(..));
+        let wanted: Vec<Variable> = related.variables.iter().copied().filter(is_point).collect();
+        let mut hull = Hull::new(related, wanted.clone());
+        while !hull.advance() {}
+        let Some(bounds) = hull.bounds() else { return };
+        let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
+        if let Some(memory) = self.methods[at].memory_mut() {
+            memory.narrow(&bounds, newest_s);
+        }
     }
 
     /// Bounds all that so many key frames relate, from that with the given place among all on.

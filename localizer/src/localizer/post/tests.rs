@@ -159,6 +159,56 @@ fn the_poses_of_a_whole_drive_are_bounded_by_what_came_after_them_and_hold_the_t
     }
 }
 
+/// A method that sees landmarks of which learning alone makes use, in one part.
+struct Learner {
+    seen: MappedLandmarks,
+}
+
+impl Method for Learner {
+    fn name(&self) -> &'static str {
+        "mapped_landmarks"
+    }
+
+    fn reads(&self, _reading: &Reading) -> bool {
+        false
+    }
+
+    fn constrain(&mut self, _reading: &Reading, _context: &Context) -> Option<Constraint> {
+        None
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self)
+    }
+
+    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
+        Some(self)
+    }
+}
+
+impl Memory for Learner {
+    fn forget_since(&mut self, _since_s: f64) {}
+
+    fn clock_set_back(&mut self) {}
+
+    fn keeps_drive(&self) -> bool {
+        true
+    }
+
+    fn learns_of_together(&self, shown: &[(f64, PoseBox)]) -> Vec<Vec<(f64, Arc<dyn Relations>)>> {
+        let relations = |(stamp_s, _): &(f64, PoseBox)| Some((*stamp_s, self.seen.relations_again(*stamp_s)?));
+        vec![shown.iter().filter_map(relations).collect()]
+    }
+
+    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+        self.seen.narrow(bounds, stamp_s);
+    }
+
+    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
+        self.seen.space_points()
+    }
+}
+
 #[test]
 fn a_drive_whose_readings_contradict_each_other_leaves_no_landmarks() {
     let mut draw = Draw::new(20_261_127);
@@ -255,4 +305,46 @@ fn a_drive_at_known_poses_teaches_a_map_that_holds_every_landmark_and_later_loca
     widths.sort_by(f64::total_cmp);
     let (volume, width) = (volumes[volumes.len() / 2], widths[widths.len() / 2]);
     assert!(volume < 0.01 && width < 0.25, "{volume} m³, {width} m of {}", widths.len());
+}
+
+#[test]
+fn what_a_whole_drive_shows_narrows_landmarks_and_teaches_nothing_where_it_contradicts_the_poses() {
+    let mut draw = Draw::new(20_261_130);
+    for off_m in [0.0, 0.5] {
+        let truth = True::new(&mut draw, 0.2);
+        let landmarks = walls(&mut draw, 40);
+        let robot = RobotModel { body: truth.body, ..robot() };
+        let mut seen = MappedLandmarks::new(truth.camera, &robot, &[], Learning::Teaches);
+        let mut poses = Vec::new();
+        for step in 0..12 {
+            let stamp_s = f64::from(step);
+            let along = stamp_s * TAU / 60.0;
+            let at = truth.turned(&mut draw, [2.0 * along.cos(), 2.0 * along.sin()], along + 0.25 * TAU);
+            let known = boxed(&mut draw, at.pose, [0.01, 0.01, 0.01]);
+            let reading = reading(stamp_s, &look(&truth, &mut draw, &at, &landmarks));
+            seen.constrain(&reading, &Context::at_rest(&PoseUnion::single(known))).unwrap();
+            seen.learn(&PoseUnion::single(known), &|_, _| None);
+            let off_m = if step % 2 == 0 { off_m } else { -off_m };
+            poses.push((stamp_s, PoseBox::from([known[0] + Interval::point(off_m), known[1], known[2]])));
+        }
+        let before = seen.space_points();
+        let room = Map::of_room([Interval::new(-5.0, 5.0); 2]);
+        let mut localizer = Localizer::new(room, robot, vec![Box::new(Learner { seen })], poses[0].1);
+        for (stamp_s, pose) in poses {
+            let fix = Fix([pose[0].mid(), pose[1].mid()]);
+            let reading = FrameReading::new("mapped_landmarks", Arc::new(fix), Stray::default());
+            localizer.graph.frames.push(stamp_s, pose, Some(reading));
+        }
+        let after = localizer.space_points();
+        let depths = |all: &[(LandmarkId, SpacePoint)]| all.iter().map(|(_, one)| one.value[2].width()).sum::<f64>();
+        if off_m == 0.0 {
+            for (landmark, point) in &after {
+                let expected = homogeneous(&point.anchor, landmarks[landmark.0 as usize]);
+                assert!((0..3).all(|k| point.value[k].inflate(1e-12).contains(expected[k])), "{landmark:?}");
+            }
+            assert!(depths(&after) < 0.7 * depths(&before), "{} {}", depths(&after), depths(&before));
+        } else {
+            assert_eq!(after, before);
+        }
+    }
 }

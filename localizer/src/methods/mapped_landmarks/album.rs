@@ -222,11 +222,23 @@ impl Album {
         let wanted: Vec<Variable> =
             often.iter().flat_map(|(_, landmark)| (0..3).map(|k| Variable::Point(*landmark, k))).collect();
         let Some(bounds) = bounds_over(&readings, &wanted) else { return };
-        for ((_, landmark), bounds) in often.iter().zip(bounds.chunks_exact(3)) {
-            let Some(entry) = self.entries.get_mut(landmark) else { continue };
-            entry.related.push((newest_s, [bounds[0], bounds[1], bounds[2]]));
+        let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
+        self.narrow(&bounds, newest_s);
+    }
+
+    /// Narrows landmarks by bounds that follow from pictures up to a stamp. Those of which nothing is left are dropped.
+    pub(super) fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+        let mut narrower: BTreeMap<LandmarkId, [Interval; 3]> = BTreeMap::new();
+        for &(variable, bound) in bounds {
+            if let Variable::Point(landmark, k) = variable {
+                narrower.entry(landmark).or_insert([Interval::ENTIRE; 3])[k] = bound;
+            }
+        }
+        for (landmark, value) in narrower {
+            let Some(entry) = self.entries.get_mut(&landmark) else { continue };
+            entry.related.push((stamp_s, value));
             if !entry.agrees() {
-                self.entries.remove(landmark);
+                self.entries.remove(&landmark);
             }
         }
     }
@@ -299,4 +311,4 @@ fn left_of(sight: Sight, pose: &PoseBox, optics: &Arc<Optics>) -> Option<[Interv
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests;
+pub(super) mod tests;

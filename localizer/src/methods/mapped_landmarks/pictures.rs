@@ -16,10 +16,12 @@
 
 use std::{collections::VecDeque, sync::Arc};
 
+use interval::Interval;
+
 use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::{self, Assumption},
-    graph::Stray,
+    graph::{Relations, Stray, Variable},
     map::{SeenAgain, SpacePoint},
     method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
     quota::{Quota, share_of},
@@ -40,6 +42,7 @@ use super::{
     ray::Optics,
     relate::{Sight, best_known_apart},
     seen_again::Sought,
+    whole_drive::WholeDrive,
 };
 
 /// Declared bounds that a constraint from landmarks in pictures relies on.
@@ -126,6 +129,8 @@ pub struct PicturedLandmarks {
     declared: Declared,
     learning: Learning,
     album: Album,
+    /// All pictures of a drive that teaches.
+    drive: WholeDrive,
     /// Middle of the box of the pose from whose picture landmarks were learnt last.
     learnt_at: Option<[f64; 3]>,
     latest: Option<Seen>,
@@ -177,6 +182,7 @@ impl PicturedLandmarks {
             declared,
             learning,
             album: Album::of(known.points, known.looks),
+            drive: WholeDrive::default(),
             learnt_at: None,
             latest: None,
             looked_for: None,
@@ -203,6 +209,12 @@ impl PicturedLandmarks {
         let numbers = |sights: Vec<&Sight>| -> Vec<LandmarkId> { sights.iter().map(|sight| sight.landmark).collect() };
         let missed: Vec<LandmarkId> = missed.into_iter().filter(of_map).collect();
         self.sought.count(&numbers(found), &numbers(elsewhere), &missed);
+    }
+
+    /// What sightings relate.
+    fn relations(&self, sightings: &FewWrong) -> Arc<dyn Relations> {
+        let stamp_error_s = self.finder.optics.camera.stamp_error_s;
+        Arc::new(PoseRows::new(sightings.clone(), stamp_error_s, !self.keeps_drive()))
     }
 
     /// The contractor of sightings of which a number may be false.
@@ -251,6 +263,9 @@ impl Method for PicturedLandmarks {
         }
         let Searched { sights, claims, near_px, missed } = search;
         self.looked_for = (!is_anywhere).then(|| (sights.clone(), missed));
+        if self.keeps_drive() && !is_anywhere {
+            self.drive.note(*measured_s, &sights);
+        }
         let mut new = Vec::new();
         let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
         if learns && sights.len() < ENOUGH {
@@ -267,9 +282,11 @@ impl Method for PicturedLandmarks {
         }
         if sights.is_empty() {
             // Learning follows a constraint, though one that says nothing.
+            let nothing = self.by_sights(&[], 1);
             return learns.then(|| Constraint {
                 decides: false,
-                ..Constraint::new(self.name(), *measured_s, self.by_sights(&[], 1))
+                relations: self.keeps_drive().then(|| self.relations(&nothing)),
+                ..Constraint::new(self.name(), *measured_s, nothing)
             });
         }
         let used = best_known_apart(&sights, MOST_USED, APART_PX);
@@ -284,7 +301,7 @@ impl Method for PicturedLandmarks {
             decides: on_pose.says_something(),
             claims,
             quota: Quota::of_each(most_wrong),
-            relations: Some(Arc::new(PoseRows::new(on_pose.clone(), self.finder.optics.camera.stamp_error_s))),
+            relations: Some(self.relations(&on_pose)),
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
@@ -312,13 +329,29 @@ impl Memory for PicturedLandmarks {
         Some(Box::new(self.by_sights(&sights, *most_wrong)))
     }
 
+    fn keeps_drive(&self) -> bool {
+        self.learning == Learning::Teaches
+    }
+
+    fn learns_of_together(&self, shown: &[(f64, PoseBox)]) -> Vec<Vec<(f64, Arc<dyn Relations>)>> {
+        let shown: Vec<(f64, PoseBox)> =
+            shown.iter().map(|(stamp_s, pose)| (*stamp_s, self.stray.around(pose))).collect();
+        self.drive.parts(&shown, &self.album, &self.finder.optics)
+    }
+
+    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+        self.album.narrow(bounds, stamp_s);
+    }
+
     fn forget_since(&mut self, since_s: f64) {
         self.album.forget_since(since_s);
+        self.drive.forget_since(since_s);
         self.latest = None;
     }
 
     fn clock_set_back(&mut self) {
         self.album.begin_anew();
+        self.drive = WholeDrive::default();
         self.latest = None;
         self.learnt_at = None;
         self.looked_for = None;
@@ -345,6 +378,9 @@ impl Memory for PicturedLandmarks {
             {
                 first.push(Sight { landmark, point, at_px, error_px });
             }
+        }
+        if self.keeps_drive() {
+            self.drive.note(stamp_s, &first);
         }
         self.album.learn(stamp_s, &shown, [&found, &first], &self.finder.optics, self.learning == Learning::Teaches);
     }

@@ -21,13 +21,15 @@ use super::few_wrong::FewWrong;
 pub(super) struct PoseRows {
     sightings: FewWrong,
     stamp_error_s: f64,
+    /// Whether the landmarks are those of a map, and none that the drive teaches.
+    is_of_the_map: bool,
     /// Coefficients of x, y and heading, with bounds of their sum over all poses that the picture may show: made when they are first needed.
     rows: OnceLock<Vec<([f64; 3], Interval)>>,
 }
 
 impl PoseRows {
-    pub(super) fn new(sightings: FewWrong, stamp_error_s: f64) -> PoseRows {
-        PoseRows { sightings, stamp_error_s, rows: OnceLock::new() }
+    pub(super) fn new(sightings: FewWrong, stamp_error_s: f64, is_of_the_map: bool) -> PoseRows {
+        PoseRows { sightings, stamp_error_s, is_of_the_map, rows: OnceLock::new() }
     }
 
     /// The rows for a picture from a pose within a box: bounds over all parts of the box that the sightings do not exclude.
@@ -67,7 +69,7 @@ impl Relations for PoseRows {
     }
 
     fn is_of_the_map(&self) -> bool {
-        true
+        self.is_of_the_map
     }
 
     fn stamp_error_s(&self) -> f64 {
@@ -117,7 +119,7 @@ mod tests {
         for round in 0..n_rounds {
             let n_wrong = round % 3;
             let (optics, sights, pose, truth) = trial(&mut draw, n_wrong);
-            let rows = PoseRows::new(FewWrong::new(&optics, Stray::default(), &sights, n_wrong), 0.0);
+            let rows = PoseRows::new(FewWrong::new(&optics, Stray::default(), &sights, n_wrong), 0.0, true);
             let mut domain = Domain::default();
             domain.put_pose(4, &pose);
             let made = rows.rows(4, &domain);

@@ -10,7 +10,7 @@ use image::{GrayImage, Luma};
 use nalgebra::Vector3;
 
 /// Any look: learning does not use it.
-fn any_look() -> Landmark {
+pub(in crate::methods::mapped_landmarks) fn any_look() -> Landmark {
     let picture = GrayImage::from_fn(200, 160, |u, v| Luma([(u * 7 % 90 + (u / 9 * 37 + v / 11 * 53) % 120) as u8]));
     let bounds = ImageBounds { focal_px: 400.0, slant: 1.0, dark_noise_grey: 1.0, electrons_per_grey: 20.0 };
     Frame::new(&picture, &bounds).landmarks(1).remove(0)
