@@ -2,11 +2,10 @@
 
 use localizer::PoseBox;
 
-use crate::{place::building::GroundPlan, scene::Scene};
-
-/// Width of the estimate's hull (the smallest box around all boxes of the estimate) up to which the robot drives at full speed. With a wider hull
-/// a waypoint 0.3 m from a wall is a risk.
-const SURE_WIDTH_M: f64 = 0.2;
+use crate::{
+    place::building::GroundPlan,
+    scene::{Route, Scene},
+};
 
 /// Least share of the full speed at which a robot may drive whose pose stays uncertain, so that it still gets somewhere.
 const LEAST_SHARE: f64 = 0.25;
@@ -26,6 +25,8 @@ pub(super) struct Caution {
     ground_plan: GroundPlan,
     clearance_m: f64,
     look_around_rad_per_s: f64,
+    /// Width of the estimate's hull (the smallest box around all boxes of the estimate) up to which the robot drives at full speed.
+    sure_width_m: f64,
     waiting_since_s: Option<f64>,
 }
 
@@ -47,6 +48,7 @@ impl Caution {
             ground_plan: GroundPlan::of(scene),
             clearance_m: scene.robot.body_radius_m + WALL_MARGIN_M,
             look_around_rad_per_s: LOOK_AROUND_SHARE * scene.robot.max_turn_rate_rad_per_s,
+            sure_width_m: scene.route.as_ref().map_or(Route::SURE_WIDTH_M, |route| route.sure_width_m),
             waiting_since_s: None,
         }
     }
@@ -59,7 +61,7 @@ impl Caution {
         }
         if !(recovering && self.may_be_by_a_wall(hull)) {
             self.waiting_since_s = None;
-            return Freedom::Drive { speed_share: share(hull) };
+            return Freedom::Drive { speed_share: self.share(hull) };
         }
         let since_s = *self.waiting_since_s.get_or_insert(time_s);
         if time_s - since_s < PATIENCE_S {
@@ -71,6 +73,12 @@ impl Caution {
 }
 
 impl Caution {
+    /// The share of its speed at which the robot drives.
+    fn share(&self, hull: &PoseBox) -> f64 {
+        let width_m = hull.width(0).max(hull.width(1));
+        (self.sure_width_m / width_m.max(self.sure_width_m)).max(LEAST_SHARE)
+    }
+
     /// Whether a wall may be within the robot's clearance at some pose of the hull.
     fn may_be_by_a_wall(&self, hull: &PoseBox) -> bool {
         if self.ground_plan.has_further_rooms() {
@@ -81,9 +89,4 @@ impl Caution {
         let [_, room_m] = self.ground_plan.extents_m();
         (0..2).any(|axis| hull[axis].lo() < self.clearance_m || hull[axis].hi() > room_m[axis] - self.clearance_m)
     }
-}
-
-fn share(hull: &PoseBox) -> f64 {
-    let width_m = hull.width(0).max(hull.width(1));
-    (SURE_WIDTH_M / width_m.max(SURE_WIDTH_M)).max(LEAST_SHARE)
 }

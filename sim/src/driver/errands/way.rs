@@ -120,8 +120,13 @@ impl ErrandDriver {
             let speed_m_per_s = self.navigation.speed_m_per_s.min(most_m_per_s).max(CREEP_M_PER_S);
             Waypoint { x_m, y_m, speed_m_per_s, turn_in_place, pause_s: 0.0 }
         };
-        let route =
-            Route { waypoints: (1..corners_m.len()).map(waypoint).collect(), begins_s: 0.0, repeat: false, led: false };
+        let route = Route {
+            waypoints: (1..corners_m.len()).map(waypoint).collect(),
+            begins_s: 0.0,
+            repeat: false,
+            led: false,
+            sure_width_m: Route::SURE_WIDTH_M,
+        };
         self.follower.path = Some(Path::new(corners_m[0], &route));
         self.follower.segment_idx = 0;
         self.follower.stage = Stage::Turn;
