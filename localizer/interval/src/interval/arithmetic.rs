@@ -71,6 +71,9 @@ fn multiply_by_cases(a: Interval, b: Interval) -> Interval {
     if a.is_empty() || b.is_empty() {
         return Interval::EMPTY;
     }
+    if a == Interval::ZERO || b == Interval::ZERO {
+        return Interval::ZERO;
+    }
     [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)]
         .into_iter()
         .fold(Interval::EMPTY, |hull, (x, y)| hull.hull(enclose_product(x, y)))

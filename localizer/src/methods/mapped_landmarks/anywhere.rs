@@ -8,7 +8,7 @@ use interval::Interval;
 use crate::{PoseBox, graph::is_linear_over};
 
 use super::{
-    ray::{Optics, Parameters},
+    ray::{N_PARAMETERS, Optics, Parameters},
     relate::Sight,
 };
 
@@ -74,8 +74,8 @@ pub(super) fn may_be_seen(optics: &Optics, sight: &Sight, pose: &PoseBox) -> boo
     let over_box = optics.parameters(pose, sight.point.value);
     let middle = over_box.map(|value| Interval::point(value.mid()));
     let deviations: Parameters = std::array::from_fn(|k| over_box[k] - middle[k]);
-    let [wide, exact] =
-        [over_box, middle].map(|parameters| optics.equations(&parameters, &sight.point.anchor, sight.at_px));
+    let wide = optics.equations::<N_PARAMETERS>(&over_box, &sight.point.anchor, sight.at_px);
+    let exact = optics.equations::<0>(&middle, &sight.point.anchor, sight.at_px);
     let depth = wide.1.around(exact.1.value, &deviations).value.intersect(Interval::new(0.0, f64::INFINITY));
     !depth.is_empty()
         && (0..2).all(|k| {

@@ -157,12 +157,16 @@ impl Finder {
             if !self.is_seen_alike(&entry.point, enlargement, pose) {
                 return None;
             }
+            let is_in_picture = |region_px: [Interval; 2]| {
+                (0..2).all(|axis| region_px[axis].hi() > 0.0 && region_px[axis].lo() < size_px[axis])
+            };
+            // Where a wider enclosure, which costs little, is out of the picture, the narrower one within it is, too.
+            if self.lens.shown(self.optics.wide_ray(pose, &point)).is_some_and(|region_px| !is_in_picture(region_px)) {
+                return None;
+            }
             let ray = self.optics.ray(pose, &point);
             let region_px = self.lens.shown(ray)?;
-            let is_in_view = (0..2).all(|axis| {
-                let side = region_px[axis];
-                side.hi() > 0.0 && side.lo() < size_px[axis] && side.width() <= WIDEST_SEARCH_PX
-            });
+            let is_in_view = is_in_picture(region_px) && region_px.iter().all(|side| side.width() <= WIDEST_SEARCH_PX);
             let length = |[a, b, c]: [Interval; 3]| (a.sqr() + b.sqr() + c.sqr()).sqrt();
             let ratio = length([Interval::ONE, point.value[0], point.value[1]]) / length(ray);
             let slack = Interval::new((1.0 - SIZE_SLACK) * enlargement, (1.0 + SIZE_SLACK) * enlargement);

@@ -43,7 +43,10 @@ const HEIGHT: usize = 16;
 pub(super) const HEAVE: usize = 17;
 pub(super) const TURN: usize = 18;
 
-type Number = Dual<N_PARAMETERS>;
+/// The parameter `index` with its interval as a number with derivatives by the first `K` parameters.
+fn number<const K: usize>(parameters: &Parameters, index: usize) -> Dual<K> {
+    if index < K { Dual::parameter(index, parameters[index]) } else { Dual::constant(parameters[index]) }
+}
 
 /// The intervals of all parameters of an image point's equations.
 pub(super) type Parameters = [Interval; N_PARAMETERS];
@@ -101,10 +104,11 @@ impl Optics {
         parameters
     }
 
-    /// The vector x from the optical centre to a landmark, times ρ, in the frame of the camera: to the right, down and ahead.
-    pub(super) fn in_camera(&self, parameters: &Parameters, anchor: &Anchor) -> [Number; 3] {
-        let number = |index: usize| Number::parameter(index, parameters[index]);
-        let exactly = |value: f64| Number::constant(Interval::point(value));
+    /// The vector x from the optical centre to a landmark, times ρ, in the frame of the camera: to the right, down and ahead; with derivatives by the
+    /// first `K` parameters.
+    pub(super) fn in_camera<const K: usize>(&self, parameters: &Parameters, anchor: &Anchor) -> [Dual<K>; 3] {
+        let number = |index: usize| number::<K>(parameters, index);
+        let exactly = |value: f64| Dual::constant(Interval::point(value));
         let rho = number(POINT[2]);
         let position = [number(POSE[0]), number(POSE[1]), number(HEAVE)];
         let [i, j] = anchor.sides();
@@ -116,7 +120,7 @@ impl Optics {
         let mount = [number(POSITION[0]), number(POSITION[1]), number(HEIGHT)];
         let from_camera = [0, 1, 2].map(|k| in_body[k] - rho * mount[k]);
         let [ahead, left, up] = tilted(turned(from_camera, -number(YAW)), MOUNT_TILT.map(|index| -number(index)));
-        let [cos, sin] = self.up.map(Number::constant);
+        let [cos, sin] = self.up.map(Dual::constant);
         [-left, ahead * sin - up * cos, ahead * cos + up * sin]
     }
 
@@ -126,14 +130,25 @@ impl Optics {
         let over_box = self.parameters(pose, point.value);
         let middle = over_box.map(|value| Interval::point(value.mid()));
         let deviations: Parameters = std::array::from_fn(|k| over_box[k] - middle[k]);
-        let [wide, exact] = [over_box, middle].map(|parameters| self.in_camera(&parameters, &point.anchor));
+        let wide = self.in_camera::<N_PARAMETERS>(&over_box, &point.anchor);
+        let exact = self.in_camera::<0>(&middle, &point.anchor);
         std::array::from_fn(|k| wide[k].around(exact[k].value, &deviations).value)
     }
 
-    /// The left sides of the equations of an image point along u and along v, and x₃.
-    pub(super) fn equations(&self, parameters: &Parameters, anchor: &Anchor, at_px: [f64; 2]) -> ([Number; 2], Number) {
-        let number = |index: usize| Number::parameter(index, parameters[index]);
-        let exactly = |value: f64| Number::constant(Interval::point(value));
+    /// A wider enclosure of the same vector, at a small part of the cost.
+    pub(super) fn wide_ray(&self, pose: &PoseBox, point: &SpacePoint) -> [Interval; 3] {
+        self.in_camera::<0>(&self.parameters(pose, point.value), &point.anchor).map(|one| one.value)
+    }
+
+    /// The left sides of the equations of an image point along u and along v, and x₃, with derivatives by the first `K` parameters.
+    pub(super) fn equations<const K: usize>(
+        &self,
+        parameters: &Parameters,
+        anchor: &Anchor,
+        at_px: [f64; 2],
+    ) -> ([Dual<K>; 2], Dual<K>) {
+        let number = |index: usize| number::<K>(parameters, index);
+        let exactly = |value: f64| Dual::constant(Interval::point(value));
         let x = self.in_camera(parameters, anchor);
         let equation = |k: usize| number(FOCAL) * x[k] + (number(CENTRE[k]) - exactly(at_px[k])) * x[2];
         ([equation(0), equation(1)], x[2])
@@ -143,20 +158,20 @@ impl Optics {
     /// to tell along which axis of the world the camera looks.
     pub(super) fn first_seen(&self, pose: &PoseBox, at_px: [f64; 2], error_px: [f64; 2]) -> Option<SpacePoint> {
         let parameters = self.parameters(pose, [Interval::ZERO; 3]);
-        let constant = |index: usize| Number::constant(parameters[index]);
+        let constant = |index: usize| number::<0>(&parameters, index);
         // The direction in which the point is seen, with unit depth along the optical axis: first in the frame of the camera, then turned to the
         // world.
         let slope = |k: usize| {
             let seen_px = Interval::centred(at_px[k], error_px[k]);
-            Number::constant((seen_px - parameters[CENTRE[k]]) / parameters[FOCAL])
+            Dual::constant((seen_px - parameters[CENTRE[k]]) / parameters[FOCAL])
         };
-        let [cos, sin] = self.up.map(Number::constant);
+        let [cos, sin] = self.up.map(Dual::constant);
         let (right, down) = (slope(0), slope(1));
         let nominal = [cos + down * sin, -right, sin - down * cos];
         let in_body = turned(tilted(nominal, MOUNT_TILT.map(constant)), constant(YAW));
         let body = BODY_TILT.map(constant);
         let to_world =
-            |v: [Number; 3]| turned(tilted(v, body), constant(POSE[2]) + constant(TURN)).map(|one| one.value);
+            |v: [Dual<0>; 3]| turned(tilted(v, body), constant(POSE[2]) + constant(TURN)).map(|one| one.value);
         let direction = to_world(in_body);
         let arm_m = to_world([constant(POSITION[0]), constant(POSITION[1]), constant(HEIGHT)]);
         let centre_m = [0, 1, 2].map(|k| arm_m[k] + parameters[[POSE[0], POSE[1], HEAVE][k]]);
@@ -178,9 +193,8 @@ impl Optics {
 const LEAST_ALONG: f64 = 0.2;
 
 /// The vector turned about the vertical.
-fn turned([x, y, z]: [Number; 3], angle: Number) -> [Number; 3] {
+fn turned<const K: usize>([x, y, z]: [Dual<K>; 3], angle: Dual<K>) -> [Dual<K>; 3] {
     let (sin, cos) = (angle.value.sin(), angle.value.cos());
-    let sin_of = Number { value: sin, slopes: angle.slopes.map(|slope| slope * cos) };
-    let cos_of = Number { value: cos, slopes: angle.slopes.map(|slope| -(slope * sin)) };
+    let (sin_of, cos_of) = (angle.through(sin, cos), angle.through(cos, -sin));
     [x * cos_of - y * sin_of, x * sin_of + y * cos_of, z]
 }

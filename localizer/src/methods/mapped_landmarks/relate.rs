@@ -84,13 +84,13 @@ impl Points {
         // deviations, which is most of what a row loses, counts once in this way, and twice with slopes over the whole box.
         let landmark_at_middle: Parameters =
             std::array::from_fn(|k| if POINT.contains(&k) { at_middle[k] } else { over_box[k] });
-        let equations = |parameters: &Parameters| self.optics.equations(parameters, &point.anchor, *at_px);
-        let (over_box, depth) = equations(&over_box);
-        let [others, at_middle] = [landmark_at_middle, at_middle].map(|parameters| equations(&parameters).0);
-        let slope = |equation: usize, k: usize| {
-            let moved = if POINT.contains(&k) { &over_box } else { &others };
-            moved[equation].slopes[k]
-        };
+        // The landmark's parameters are the first.
+        const { assert!(POINT[0] == 0 && POINT[1] == 1 && POINT[2] == 2) };
+        let (over_box, depth) = self.optics.equations::<{ POINT.len() }>(&over_box, &point.anchor, *at_px);
+        let (others, _) = self.optics.equations::<N_PARAMETERS>(&landmark_at_middle, &point.anchor, *at_px);
+        let (at_middle, _) = self.optics.equations::<0>(&at_middle, &point.anchor, *at_px);
+        let slope =
+            |equation: usize, k: usize| over_box[equation].slopes.get(k).copied().unwrap_or(others[equation].slopes[k]);
         // Rows count in about the image's units of a focal length, so that their coefficients are of the size of those of other rows. The factor is a
         // power of two, by which numbers are multiplied without a rounding error.
         let unit = Interval::point((-self.optics.camera.focal_px.mid().log2().round()).exp2());

@@ -4,7 +4,10 @@ use image::{GrayImage, Luma};
 
 use super::*;
 use crate::{
-    graph::trial::robot, map::Anchor, methods::mapped_landmarks::PointCameraModel, robot::ForwardCameraModel,
+    graph::trial::{Draw, robot},
+    map::Anchor,
+    methods::mapped_landmarks::PointCameraModel,
+    robot::ForwardCameraModel,
     vision::point_features::ImageBounds,
 };
 
@@ -172,5 +175,20 @@ fn a_look_is_found_by_a_camera_of_another_focal_length() {
         let place_m = [WALL_M * (1.0 - distance), 0.05, 0.36];
         let [n_in_view, n_found] = taken.found_by(Eye { place_m, heading_rad: 0.03, focal_px: focal * FOCAL_PX });
         assert!(n_in_view >= 4 && 10 * n_found >= 8 * n_in_view, "{focal}, {distance}: {n_found} of {n_in_view}");
+    }
+}
+
+#[test]
+fn the_ray_to_a_landmark_is_within_the_one_that_is_told_at_a_small_part_of_the_cost() {
+    let mut draw = Draw::new(20_261_215);
+    let finder = Eye { place_m: [0.0, 0.0, 0.3], heading_rad: 0.0, focal_px: FOCAL_PX }.finder();
+    for _ in 0..200 {
+        let mut around =
+            |middle: f64, half_m: f64| Interval::centred(draw.between(-middle, middle), draw.between(0.0, half_m));
+        let pose = PoseBox::from([around(2.0, 0.2), around(2.0, 0.2), around(3.0, 0.1)]);
+        let value = [around(1.0, 0.05), around(1.0, 0.05), around(0.1, 0.1) + Interval::point(0.3)];
+        let point = SpacePoint { anchor: Anchor { from_m: [0.5, -0.2, 0.3], axis: 1, is_positive: true }, value };
+        let (narrow, wide) = (finder.optics.ray(&pose, &point), finder.optics.wide_ray(&pose, &point));
+        assert!((0..3).all(|k| !narrow[k].is_empty() && narrow[k].is_subset_of(wide[k])), "{narrow:?} {wide:?}");
     }
 }
