@@ -193,11 +193,12 @@ fn program(domain: &Domain, variables: &[Variable], items: &[&[Row]], most_wrong
         let index = |&(variable, a): &(Variable, f64)| Some((variables.binary_search(&variable).ok()?, a));
         let terms: Option<Vec<(usize, f64)>> = row.terms.iter().map(index).collect();
         let mut terms = terms?;
-        let (range, sides) = (range(row, domain), row.sides);
+        let sides = row.sides;
         if n_switches == 0 {
             program.add_row(&terms, sides).ok()?;
             continue;
         }
+        let range = range(row, domain);
         let above = (Interval::point(range.hi()) - sides.hi()).hi();
         let below = (Interval::point(sides.lo()) - range.lo()).hi();
         terms.push((variables.len() + at, 0.0));

@@ -46,22 +46,21 @@ impl Sparse {
 
 impl Factor {
     /// The structure of a matrix of `size` rows with non-zero numbers on the diagonal and between any two members of each group.
-    pub(super) fn new<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]> + Clone) -> Factor {
-        let order = minimum_degree(size, groups.clone());
+    pub(super) fn new<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]>) -> Factor {
+        let neighbours = neighbours(size, groups);
+        let order = minimum_degree(neighbours.clone());
         let mut place = vec![0; size];
         order.iter().enumerate().for_each(|(at, &row)| place[row] = at);
-        let mut columns: Vec<Vec<u32>> = (0..size as u32).map(|at| vec![at]).collect();
-        for group in groups {
-            for &a in group {
-                let column = place[a as usize];
-                let above = group.iter().map(|&b| place[b as usize]).filter(|&b| b < column);
-                columns[column].extend(above.map(|row| row as u32));
-            }
-        }
-        for column in &mut columns {
-            column.sort_unstable();
-            column.dedup();
-        }
+        let columns: Vec<Vec<u32>> = order
+            .iter()
+            .enumerate()
+            .map(|(column, &row)| {
+                let places = members(&neighbours[row]).map(|other| place[other]).filter(|&other| other <= column);
+                let mut rows: Vec<u32> = places.map(|other| other as u32).collect();
+                rows.sort_unstable();
+                rows
+            })
+            .collect();
         let row_columns = row_structure(&columns);
         let mut below = vec![Vec::new(); size];
         for (row, columns) in row_columns.iter().enumerate() {
@@ -76,10 +75,14 @@ impl Factor {
         }
     }
 
-    /// Where the number in row `a` and column `b` of M is kept, for [`Factor::factorise`]; the rows must be members of one group.
-    pub(super) fn position(&self, a: usize, b: usize) -> usize {
+    /// Where the number in row `a` and column `b` of M is kept, for [`Factor::factorise`]; the rows must be members of one group. It is looked for at
+    /// `guess` first.
+    pub(super) fn position(&self, a: usize, b: usize, guess: usize) -> usize {
         let (row, column) = (self.place[a].min(self.place[b]), self.place[a].max(self.place[b]));
         let span = self.upper.span(column);
+        if span.contains(&guess) && self.upper.indices[guess] as usize == row {
+            return guess;
+        }
         span.start + self.upper.indices[span].partition_point(|&other| (other as usize) < row)
     }
 
@@ -104,9 +107,7 @@ impl Factor {
                 let column = self.row_columns.indices[at] as usize;
                 let value = std::mem::take(&mut row[column]);
                 let (from, to) = (self.lower.starts[column], ends[column]);
-                for (&other, &factor) in self.lower.indices[from..to].iter().zip(&self.lower.values[from..to]) {
-                    row[other as usize] -= factor * value;
-                }
+                subtract(&mut row, &self.lower.indices[from..to], &self.lower.values[from..to], value);
                 let factor = value / self.diagonal[column];
                 pivot -= factor * value;
                 self.lower.values[to] = factor;
@@ -124,9 +125,7 @@ impl Factor {
         for column in 0..size {
             let value = x[column];
             let span = self.lower.span(column);
-            for (&row, number) in self.lower.indices[span.clone()].iter().zip(&self.lower.values[span]) {
-                x[row as usize] -= number * value;
-            }
+            subtract(&mut x, &self.lower.indices[span.clone()], &self.lower.values[span], value);
         }
         for column in (0..size).rev() {
             let mut value = x[column] / self.diagonal[column];
@@ -140,11 +139,21 @@ impl Factor {
     }
 }
 
-/// An order of the rows in which each has the fewest neighbours among those after it, once the neighbours of the rows before have become neighbours
-/// of each other; the first row where several have equally many.
-fn minimum_degree<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]>) -> Vec<usize> {
-    let n_words = size.div_ceil(64);
-    let mut neighbours = vec![vec![0u64; n_words]; size];
+/// Subtracts a multiple of some numbers from those of a vector that have the given indices, in ascending order. Where no index is left out between them,
+/// as is usual where most quantities occur in most rows, the compiler makes vector instructions of that.
+fn subtract(vector: &mut [f64], indices: &[u32], numbers: &[f64], times: f64) {
+    let (Some(&first), Some(&last)) = (indices.first(), indices.last()) else { return };
+    let span = first as usize..last as usize + 1;
+    if span.len() == indices.len() {
+        vector[span].iter_mut().zip(numbers).for_each(|(value, number)| *value -= number * times);
+    } else {
+        indices.iter().zip(numbers).for_each(|(&at, number)| vector[at as usize] -= number * times);
+    }
+}
+
+/// For each row its neighbours and itself: all members of its groups, as bits.
+fn neighbours<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]>) -> Vec<Vec<u64>> {
+    let mut neighbours = vec![vec![0u64; size.div_ceil(64)]; size];
     for group in groups {
         for &a in group {
             group.iter().for_each(|&b| neighbours[a as usize][b as usize / 64] |= 1 << (b % 64));
@@ -153,6 +162,22 @@ fn minimum_degree<'a>(size: usize, groups: impl Iterator<Item = &'a [u32]>) -> V
     for (row, set) in neighbours.iter_mut().enumerate() {
         set[row / 64] |= 1 << (row % 64);
     }
+    neighbours
+}
+
+/// The numbers of the bits of a set.
+fn members(set: &[u64]) -> impl Iterator<Item = usize> {
+    let of_word = |(at, &word): (usize, &u64)| {
+        let rests = std::iter::successors(Some(word), |rest| Some(rest & rest.wrapping_sub(1)));
+        rests.take_while(|rest| *rest != 0).map(move |rest| 64 * at + rest.trailing_zeros() as usize)
+    };
+    set.iter().enumerate().flat_map(of_word)
+}
+
+/// An order of the rows in which each has the fewest neighbours among those after it, once the neighbours of the rows before have become neighbours
+/// of each other; the first row where several have equally many.
+fn minimum_degree(mut neighbours: Vec<Vec<u64>>) -> Vec<usize> {
+    let size = neighbours.len();
     let mut degrees: Vec<u32> = neighbours.iter().map(|set| degree(set)).collect();
     let mut order = Vec::with_capacity(size);
     let mut left: Vec<usize> = (0..size).collect();
@@ -221,7 +246,7 @@ mod tests {
         for (row, numbers) in dense.iter_mut().enumerate() {
             numbers[row] += 0.01;
             for (column, &number) in numbers.iter().enumerate().take(row + 1).filter(|(_, number)| **number != 0.0) {
-                let at = factor.position(row, column);
+                let at = factor.position(row, column, 0);
                 factor.numbers()[at] = number;
             }
         }

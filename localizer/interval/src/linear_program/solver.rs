@@ -50,8 +50,9 @@ struct Rows {
     /// Variable and coefficient of each term of each row.
     variables: Vec<u32>,
     coefficients: Vec<f64>,
-    /// For each row and each pair of its terms, the second not after the first: the place in the factor's matrix.
-    positions: Vec<u32>,
+    /// For each row and each of its terms: where the products of its coefficient with those of all terms up to itself have their places in the factor's
+    /// matrix. A run is the first place, and the number of products whose places follow each other from there on.
+    runs: Vec<[u32; 2]>,
 }
 
 /// What there is of a row besides its terms.
@@ -76,10 +77,19 @@ impl Solver {
         let factor = Factor::new(scales.len(), rows.heads.iter().map(|head| &rows.variables[head.terms.clone()]));
         for head in &rows.heads {
             let members = &rows.variables[head.terms.clone()];
-            let pairs = members.iter().enumerate().flat_map(|(at, &a)| members[..=at].iter().map(move |&b| (a, b)));
-            rows.positions.extend(pairs.map(|(a, b)| factor.position(a as usize, b as usize) as u32));
+            for (at, &a) in members.iter().enumerate() {
+                let mut next = 0;
+                for (idx, &b) in members[..=at].iter().enumerate() {
+                    let position = factor.position(a as usize, b as usize, next);
+                    match rows.runs.last_mut().filter(|_| idx > 0 && position == next) {
+                        Some([_, length]) => *length += 1,
+                        None => rows.runs.push([position as u32, 1]),
+                    }
+                    next = position + 1;
+                }
+            }
         }
-        let diagonal = (0..scales.len()).map(|at| factor.position(at, at)).collect();
+        let diagonal = (0..scales.len()).map(|at| factor.position(at, at, 0)).collect();
         Solver { scales, rows, n_rows: program.n_rows(), factor, diagonal, most_steps: MOST_STEPS }
     }
 
@@ -387,12 +397,17 @@ impl State {
         for (&at, x) in solver.diagonal.iter().zip(&self.x) {
             numbers[at] += x.stiffness();
         }
-        let mut positions = solver.rows.positions.iter();
+        let mut runs = solver.rows.runs.iter();
         for (head, stiffness) in solver.rows.heads.iter().zip(&present.stiffnesses) {
             let coefficients = &solver.rows.coefficients[head.terms.clone()];
             for (at, a) in coefficients.iter().enumerate() {
-                for (b, &position) in coefficients[..=at].iter().zip(&mut positions) {
-                    numbers[position as usize] += stiffness * a * b;
+                let (stiffened, mut left) = (stiffness * a, &coefficients[..=at]);
+                while !left.is_empty() {
+                    let Some(&[first, length]) = runs.next() else { break };
+                    let (these, others) = left.split_at(length as usize);
+                    let numbers = &mut numbers[first as usize..][..these.len()];
+                    numbers.iter_mut().zip(these).for_each(|(number, b)| *number += stiffened * b);
+                    left = others;
                 }
             }
         }
