@@ -24,6 +24,7 @@ pub mod claim;
 mod search;
 mod correlation;
 mod landmark;
+mod posture;
 mod frame;
 mod matching;
 

@@ -4,8 +4,9 @@
 //! landmark is compared with all keypoints. A match has the accuracy of a keypoint, about a pixel, and some matches are wrong.
 
 use super::{
-    frame::{Frame, LEVEL, Posture},
+    frame::Frame,
     landmark::Landmark,
+    posture::{LEVEL, Posture},
 };
 
 /// Levels of scale at which keypoints are described, each a factor of 1.2: up to twice or half the size that the landmark had when it was first seen.
