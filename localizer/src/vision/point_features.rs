@@ -25,6 +25,7 @@ mod search;
 mod correlation;
 mod landmark;
 mod posture;
+mod templates;
 mod frame;
 mod matching;
 

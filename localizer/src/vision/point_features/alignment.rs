@@ -14,8 +14,8 @@ use nalgebra::{Cholesky, Const, Matrix2, SMatrix, SVector, Vector2};
 
 use crate::vision::forward::Picture;
 
-use super::patch::{COARSE, FINE, GAIN, OFFSET, RADIUS_PX as REACH_PX, Template, UNIT_PX, dot};
-use super::smoothing::{is_inside, sample};
+use super::patch::{COARSE, FINE, GAIN, LANES, OFFSET, RADIUS_PX as REACH_PX, Template, UNIT_PX, dot, dots};
+use super::smoothing::{Between, is_inside};
 
 /// Steps of a coarse alignment. It starts within about 4 px and comes within half a pixel.
 const COARSE_STEPS: usize = 8;
@@ -110,8 +110,17 @@ impl<'a> Plane<'a> {
             return None;
         }
         let ([u, v], m) = (origin.map(|at| at as f32), matrix.map(|part| part as f32));
-        let level = |[x, y]: &[f32; 2]| sample(self.picture, u + m.m11 * x + m.m12 * y, v + m.m21 * x + m.m22 * y);
-        Some(points_px.iter().map(level).collect())
+        let place = |[x, y]: [f32; 2]| [u + m.m11 * x + m.m12 * y, v + m.m21 * x + m.m22 * y];
+        let (chunks, rest) = points_px.as_chunks::<LANES>();
+        let mut levels = Vec::with_capacity(points_px.len());
+        for chunk in chunks {
+            let places = chunk.map(place);
+            let between = Between::new(&[0, 1].map(|axis| places.map(|at| at[axis])));
+            levels.extend((0..LANES).map(|lane| between.value(self.picture, lane)));
+        }
+        let level = |&point: &[f32; 2]| Between::new(&place(point).map(|at| [at])).value(self.picture, 0);
+        levels.extend(rest.iter().map(level));
+        Some(levels)
     }
 }
 
@@ -176,7 +185,8 @@ impl<const P: usize> Steps<P> {
     /// Parameters of an image with the given levels.
     fn solve(&self, template: &Template<P>, levels: &[f32]) -> SVector<f64, P> {
         let weighted: Vec<f32> = levels.iter().zip(&template.weights).map(|(level, weight)| level * weight).collect();
-        let right = SVector::<f64, P>::from_fn(|row, _| dot(&weighted, &template.columns[row]));
+        let mut right = SVector::<f64, P>::zeros();
+        dots(&weighted, &template.columns, right.as_mut_slice());
         self.factors.solve(&right)
     }
 

@@ -3,7 +3,7 @@
 
 use crate::vision::{draws::Draws, forward::Picture};
 
-use super::smoothing::{is_inside, sample};
+use super::smoothing::{Between, is_inside};
 
 /// Number of comparisons of a descriptor.
 pub(super) const BITS: usize = 256;
@@ -36,9 +36,16 @@ impl Descriptor {
 /// The points that descriptors compare, in pixels of the full image at scale 1 and turn 0.
 #[derive(Clone, Debug)]
 pub(super) struct Pattern {
-    pairs: Vec<[[f32; 2]; 2]>,
+    /// First and second points of all comparisons.
+    pairs: [[Points; BITS / LANES]; 2],
     disc: Vec<[f32; 2]>,
 }
+
+/// Number of points that are looked up side by side, by the vector instructions that the compiler makes of it.
+const LANES: usize = 8;
+
+/// Coordinates along u and along v of some points.
+type Points<const N: usize = LANES> = [[f32; N]; 2];
 
 impl Pattern {
     /// Random pairs of points, denser near the middle: the mean of two uniform random numbers for each coordinate.
@@ -55,7 +62,10 @@ impl Pattern {
                 return at.map(|part| part as f32);
             }
         };
-        let pairs = (0..BITS).map(|_| [point(), point()]).collect();
+        let drawn: Vec<[[f32; 2]; 2]> = (0..BITS).map(|_| [point(), point()]).collect();
+        let points =
+            |one: usize, first: usize| [0, 1].map(|axis| std::array::from_fn(|lane| drawn[first + lane][one][axis]));
+        let pairs = [0, 1].map(|one| std::array::from_fn(|at| points(one, LANES * at)));
         // Every second pixel suffices for the centroid, because the coarse image has no finer ones.
         let reach = (RADIUS_PX / 2.0) as i32;
         let lattice = (-reach..=reach).flat_map(|v| (-reach..=reach).map(move |u| [2 * u, 2 * v].map(|at| at as f32)));
@@ -70,7 +80,7 @@ impl Pattern {
         let place = Placed::new(coarse, at_px, scale, 0.0)?;
         let mut moments = [0.0f32; 2];
         for point in &self.disc {
-            let level = place.level(point);
+            let level = place.between(&point.map(|part| [part])).value(coarse, 0);
             (0..2).for_each(|axis| moments[axis] += level * point[axis]);
         }
         Some(f64::from(moments[1]).atan2(f64::from(moments[0])))
@@ -85,36 +95,43 @@ impl Pattern {
         direction_rad: f64,
     ) -> Option<Descriptor> {
         let place = Placed::new(coarse, at_px, scale, direction_rad)?;
+        let [ones, others] = &self.pairs;
         let mut bits = [0u64; BITS / 64];
-        for (idx, [one, other]) in self.pairs.iter().enumerate() {
-            let is_darker = place.level(one) < place.level(other);
-            bits[idx / 64] |= u64::from(is_darker) << (idx % 64);
+        for (at, (ones, others)) in ones.iter().zip(others).enumerate() {
+            let (ones, others) = (place.between(ones), place.between(others));
+            let is_darker = |lane: usize| ones.value(coarse, lane) < others.value(coarse, lane);
+            let byte = (0..LANES).fold(0, |byte, lane| byte | u64::from(is_darker(lane)) << lane);
+            bits[LANES * at / 64] |= byte << (LANES * at % 64);
         }
         Some(Descriptor { bits })
     }
 }
 
 /// A pattern's place in the coarse image.
-struct Placed<'a> {
-    coarse: &'a Picture,
+struct Placed {
     at_px: [f32; 2],
     /// Scale times cosine and sine of the turn, in coarse pixels per full pixel.
     turn: [f32; 2],
 }
 
-impl Placed<'_> {
+impl Placed {
     /// `None` if a part of the pattern is outside of the image.
-    fn new(coarse: &Picture, at_px: [f64; 2], scale: f64, turn_rad: f64) -> Option<Placed<'_>> {
+    fn new(coarse: &Picture, at_px: [f64; 2], scale: f64, turn_rad: f64) -> Option<Placed> {
         let (sin, cos) = turn_rad.sin_cos();
         let at_px = at_px.map(|at| 0.5 * (at - 0.5));
         let turn = [cos, sin].map(|part| (0.5 * scale * part) as f32);
-        let placed = Placed { coarse, at_px: at_px.map(|at| at as f32), turn };
+        let placed = Placed { at_px: at_px.map(|at| at as f32), turn };
         // One pixel more, because positions are rounded to single precision.
         is_inside(coarse, at_px, 0.5 * scale * RADIUS_PX + 1.0).then_some(placed)
     }
 
-    fn level(&self, [x, y]: &[f32; 2]) -> f32 {
-        let [cos, sin] = self.turn;
-        sample(self.coarse, self.at_px[0] + cos * x - sin * y, self.at_px[1] + sin * x + cos * y)
+    /// Where some points of the pattern are in the coarse image.
+    #[inline]
+    fn between<const N: usize>(&self, [x, y]: &Points<N>) -> Between<N> {
+        let ([cos, sin], [u, v]) = (self.turn, self.at_px);
+        Between::new(&[
+            std::array::from_fn(|idx| u + cos * x[idx] - sin * y[idx]),
+            std::array::from_fn(|idx| v + sin * x[idx] + cos * y[idx]),
+        ])
     }
 }

@@ -12,10 +12,11 @@ use super::correlation;
 use super::descriptor::{Descriptor, Pattern};
 use super::keypoint::{Keypoint, keypoints};
 use super::landmark::Landmark;
-use super::patch::{COARSE, FINE, Patch, Template};
+use super::patch::{FINE, Patch, Template};
 use super::posture::{LEVEL, Posture, TURN_RAD, postures, turn_within};
 use super::search::{Refusal, Region, Search, Sighting};
-use super::smoothing::{self, COARSE_VARIANCE_PX2, FINE_VARIANCE_PX2};
+use super::smoothing::{self, FINE_VARIANCE_PX2};
+use super::templates::Templates;
 
 /// Greatest number of keypoints of an image.
 const MOST_KEYPOINTS: usize = 1000;
@@ -50,6 +51,8 @@ pub struct Frame<'a> {
     coarse: Picture,
     pattern: Pattern,
     keypoints: Vec<Keypoint>,
+    /// Column of each keypoint and its index, by increasing columns.
+    by_column: Vec<(f64, usize)>,
     /// For each posture, the direction and descriptor of each keypoint, once they are computed; keypoints near the border have none.
     described: BTreeMap<Posture, Vec<Option<Option<Described>>>>,
 }
@@ -71,8 +74,11 @@ impl<'a> Frame<'a> {
         let fine = smoothing::fine(image);
         let coarse = smoothing::coarse(&fine);
         let keypoints = keypoints(&fine, MOST_KEYPOINTS);
+        let mut by_column: Vec<(f64, usize)> =
+            keypoints.iter().enumerate().map(|(idx, keypoint)| (keypoint.position_px[0], idx)).collect();
+        by_column.sort_by(|a, b| a.0.total_cmp(&b.0));
         let described = BTreeMap::new();
-        Frame { image, bounds: *bounds, fine, coarse, pattern: Pattern::new(), keypoints, described }
+        Frame { image, bounds: *bounds, fine, coarse, pattern: Pattern::new(), keypoints, by_column, described }
     }
 
     /// Corners of the image, spread over it by a grid, the best of each cell first.
@@ -138,9 +144,14 @@ impl<'a> Frame<'a> {
     /// When it is not found or cannot be told from something else.
     pub fn find(&mut self, landmark: &Landmark, search: &Search) -> Result<Sighting, Refusal> {
         let Some(region) = Region::of(search) else { return Err(Refusal::NothingAlike) };
-        let mut templates = BTreeMap::new();
-        let starts = self.candidates(landmark, search, &region).iter().map(|candidate| self.start(candidate)).collect();
-        let mut found = self.try_all(landmark, &region, &mut templates, starts);
+        let (postures, mut templates) = (postures(search), Templates::default());
+        let templates = &mut templates;
+        let starts = self
+            .candidates(landmark, search, &postures, &region)
+            .iter()
+            .map(|candidate| self.start(candidate))
+            .collect();
+        let mut found = self.try_all(landmark, &region, templates, starts);
         // Corners are not always found again, and what looks like the landmark elsewhere need not have been found as a corner either.
         let is_new = |(_, start): &(i32, Warp)| {
             found.iter().flatten().all(|sighting| {
@@ -148,9 +159,10 @@ impl<'a> Frame<'a> {
                 apart[0].hypot(apart[1]) > SLACK_PX * start.image_from_patch.determinant().sqrt()
             })
         };
-        let others: Vec<_> = self.peaks(landmark, search, &region, &mut templates).into_iter().filter(is_new).collect();
+        let peaks = self.peaks(landmark, search, &postures, &region, templates);
+        let others: Vec<_> = peaks.into_iter().filter(is_new).collect();
         if !others.is_empty() {
-            match (&mut found, self.try_all(landmark, &region, &mut templates, others)) {
+            match (&mut found, self.try_all(landmark, &region, templates, others)) {
                 (Ok(found), Ok(others)) => found.extend(others),
                 (Ok(_), Err(_)) => {}
                 (Err(_), others) => found = others,
@@ -170,11 +182,7 @@ impl<'a> Frame<'a> {
         let mut found = Vec::new();
         let mut refusal = Refusal::NothingAlike;
         for (level, start) in starts {
-            let (coarse, fine) = templates.entry(level).or_insert_with(|| templates_at(landmark, level));
-            let sighting = self
-                .aligned(coarse, fine, start, landmark.enlargement(self.bounds.focal_px))
-                .map_or(Err(Refusal::NotAligned), |aligned| self.judged(landmark, fine, &aligned, region));
-            match sighting {
+            match self.seen_from(start, landmark, level, templates, region) {
                 Ok(sighting) => found.push(sighting),
                 Err(why) => refusal = why,
             }
@@ -194,35 +202,49 @@ impl<'a> Frame<'a> {
         &self,
         landmark: &Landmark,
         search: &Search,
+        postures: &[Posture],
         region: &Region,
         templates: &mut Templates,
     ) -> Vec<(i32, Warp)> {
-        let postures = postures(search);
         let Some(Posture { level, turn: Some(_) }) = postures.get(postures.len() / 2).copied() else {
             return Vec::new();
         };
-        let (coarse, _) = templates.entry(level).or_insert_with(|| templates_at(landmark, level));
         let warp = Warp::similarity([0.0; 2], LEVEL.powi(level), search.turn_rad.mid());
-        let peaks = correlation::peaks(coarse, &self.coarse, region, &warp);
+        let peaks = correlation::peaks(templates.coarse(landmark, level), &self.coarse, region, &warp);
         peaks.into_iter().map(|origin_px| (level, Warp { origin_px, ..warp })).collect()
     }
 
     /// Keypoints in the region whose descriptors are like the landmark's, the most alike first.
-    fn candidates(&mut self, landmark: &Landmark, search: &Search, region: &Region) -> Vec<Candidate> {
+    fn candidates(
+        &mut self,
+        landmark: &Landmark,
+        search: &Search,
+        postures: &[Posture],
+        region: &Region,
+    ) -> Vec<Candidate> {
         let mut candidates = Vec::new();
-        for posture in postures(search) {
+        let mut near: (f64, Vec<usize>) = (f64::NAN, Vec::new());
+        for &posture in postures {
             let slack = SLACK_PX * LEVEL.powi(posture.level).max(1.0);
-            for keypoint_idx in 0..self.keypoints.len() {
-                if !region.may_meet(self.keypoints[keypoint_idx].position_px, [slack; 2]) {
-                    continue;
-                }
-                let Some((direction_rad, descriptor)) = self.described(keypoint_idx, posture) else { continue };
+            // Postures of one level follow each other.
+            if near.0 != slack {
+                near = (slack, self.near(region, slack));
+            }
+            let described = self.described.entry(posture).or_insert_with(|| vec![None; self.keypoints.len()]);
+            for &keypoint_idx in &near.1 {
+                let known = described[keypoint_idx].get_or_insert_with(|| {
+                    describe(&self.pattern, &self.coarse, self.keypoints[keypoint_idx].position_px, posture)
+                });
+                let Some((direction_rad, descriptor)) = known else { continue };
                 let (of_landmark, turn_rad) = match posture.turn {
-                    Some(_) => (&landmark.upright, direction_rad),
-                    None => (&landmark.turned, direction_rad - landmark.direction_rad),
+                    Some(_) => (&landmark.upright, *direction_rad),
+                    None => (&landmark.turned, *direction_rad - landmark.direction_rad),
                 };
                 let bits = descriptor.hamming_distance(of_landmark);
-                if let Some(turn_rad) = turn_within(turn_rad, search).filter(|_| bits <= MOST_BITS) {
+                if bits > MOST_BITS {
+                    continue;
+                }
+                if let Some(turn_rad) = turn_within(turn_rad, search) {
                     candidates.push(Candidate { bits, keypoint_idx, posture, turn_rad });
                 }
             }
@@ -240,16 +262,32 @@ impl<'a> Frame<'a> {
         kept
     }
 
-    fn aligned(
+    /// Indices of the keypoints that may be in a region, or beside it by a slack in pixels.
+    fn near(&self, region: &Region, slack: f64) -> Vec<usize> {
+        let [low, high] = region.hull_px.map(|[u, _]| u);
+        let first = self.by_column.partition_point(|(u, _)| *u < low - slack);
+        let to_right = self.by_column[first..].iter().take_while(|(u, _)| *u <= high + slack);
+        let is_near = |idx: &usize| region.may_meet(self.keypoints[*idx].position_px, [slack; 2]);
+        to_right.map(|(_, idx)| *idx).filter(is_near).collect()
+    }
+
+    /// The sighting to which an alignment leads from a warp, or why there is none.
+    fn seen_from(
         &self,
-        coarse: &Template<COARSE>,
-        fine: &Template<FINE>,
         start: Warp,
-        enlargement: f64,
-    ) -> Option<Aligned> {
+        landmark: &Landmark,
+        level: i32,
+        templates: &mut Templates,
+        region: &Region,
+    ) -> Result<Sighting, Refusal> {
         let scale = start.image_from_patch.determinant().sqrt();
-        let warp = align_coarsely(coarse, &ImageBounds::coarse_prior(), Plane::coarse(&self.coarse), start)?;
-        align(fine, &self.bounds.prior(scale, enlargement), Plane::fine(&self.fine), warp)
+        let coarse = templates.coarse(landmark, level);
+        let warp = align_coarsely(coarse, &ImageBounds::coarse_prior(), Plane::coarse(&self.coarse), start)
+            .ok_or(Refusal::NotAligned)?;
+        let fine = templates.fine(landmark, level);
+        let prior = self.bounds.prior(scale, landmark.enlargement(self.bounds.focal_px));
+        let aligned = align(fine, &prior, Plane::fine(&self.fine), warp).ok_or(Refusal::NotAligned)?;
+        self.judged(landmark, fine, &aligned, region)
     }
 
     /// The sighting that an aligned patch is, or why it is none.
@@ -286,26 +324,20 @@ impl<'a> Frame<'a> {
         let n_keypoints = self.keypoints.len();
         let known = self.described.entry(posture).or_insert_with(|| vec![None; n_keypoints]);
         *known[keypoint_idx].get_or_insert_with(|| {
-            let (at_px, scale) = (self.keypoints[keypoint_idx].position_px, LEVEL.powi(posture.level));
-            let direction_rad = match posture.turn {
-                Some(turn) => f64::from(turn) * TURN_RAD,
-                None => self.pattern.direction_rad(&self.coarse, at_px, scale)?,
-            };
-            let descriptor = self.pattern.describe(&self.coarse, at_px, scale, direction_rad)?;
-            Some((direction_rad, descriptor))
+            describe(&self.pattern, &self.coarse, self.keypoints[keypoint_idx].position_px, posture)
         })
     }
 }
 
-/// A landmark's templates for each level of scale that a search needs.
-type Templates = BTreeMap<i32, (Template<COARSE>, Template<FINE>)>;
-
-fn templates_at(landmark: &Landmark, level: i32) -> (Template<COARSE>, Template<FINE>) {
-    let (scale, offset_px) = (LEVEL.powi(level), landmark.offset_px());
-    (
-        Template::coarse(&landmark.patch, offset_px, scale, COARSE_VARIANCE_PX2),
-        Template::fine(&landmark.patch, offset_px, scale, FINE_VARIANCE_PX2 + BETWEEN_PX2),
-    )
+/// Direction and descriptor of a point of an image in a posture; `None` near the border.
+fn describe(pattern: &Pattern, coarse: &Picture, at_px: [f64; 2], posture: Posture) -> Option<Described> {
+    let scale = LEVEL.powi(posture.level);
+    let direction_rad = match posture.turn {
+        Some(turn) => f64::from(turn) * TURN_RAD,
+        None => pattern.direction_rad(coarse, at_px, scale)?,
+    };
+    let descriptor = pattern.describe(coarse, at_px, scale, direction_rad)?;
+    Some((direction_rad, descriptor))
 }
 
 /// The best of several sightings, unless another one is nearly as good at another place.
@@ -324,6 +356,3 @@ fn distinct(mut found: Vec<Sighting>) -> Result<Sighting, Refusal> {
         _ => Ok(best),
     }
 }
-
-/// Variance, in px², by which bilinear interpolation blurs on average.
-const BETWEEN_PX2: f64 = 1.0 / 6.0;

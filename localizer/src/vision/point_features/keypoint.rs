@@ -143,31 +143,26 @@ fn mark_candidates(picture: &Picture, v: usize, first: usize, is_candidate: &mut
     }
 }
 
-/// Greatest contrast at which nine neighbours of a circle are all brighter or all darker than the middle, from their differences from it.
+/// Greatest contrast at which nine neighbours of a circle are all brighter or all darker than the middle, from their differences from it; less than 0
+/// where there is none.
 fn contrast(off: &[f32; 16]) -> f32 {
-    let (mut bright, mut dark) = (0u32, 0u32);
-    for (idx, &off) in off.iter().enumerate() {
-        bright |= u32::from(off > CONTRAST) << idx;
-        dark |= u32::from(off < -CONTRAST) << idx;
-    }
-    let mut greatest = 0.0f32;
-    for (arcs, sign) in [(arcs(bright), 1.0), (arcs(dark), -1.0)] {
-        for first in (0..16).filter(|first| (arcs >> first) & 1 == 1) {
-            let least = (0..ARC).map(|step| sign * off[(first + step) % 16]).fold(f32::INFINITY, f32::min);
-            greatest = greatest.max(least);
-        }
-    }
-    greatest
+    // The choices are made such that each is one vector instruction.
+    let least_of_arcs = of_arcs(off, |a, b| if a < b { a } else { b });
+    let greatest_of_arcs = of_arcs(off, |a, b| if a > b { a } else { b });
+    let bright = least_of_arcs.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let dark = greatest_of_arcs.iter().copied().fold(f32::INFINITY, f32::min);
+    bright.max(-dark)
 }
 
-/// For each bit of a circle of 16, whether it and the eight bits after it are set.
-fn arcs(bits: u32) -> u32 {
-    // Two turns of the circle, so that an arc over its end counts.
-    let twice = bits | (bits << 16);
-    let two = twice & (twice >> 1);
-    let four = two & (two >> 2);
-    let eight = four & (four >> 4);
-    eight & (twice >> 8) & 0xFFFF
+/// For each number of a circle of 16, what is chosen of it and the eight after it, from the choice between two.
+fn of_arcs(circle: &[f32; 16], choice: impl Fn(f32, f32) -> f32) -> [f32; 16] {
+    const { assert!(ARC == 9) };
+    // One turn and a half, so that an arc over the end of the circle counts.
+    let one: [f32; 24] = std::array::from_fn(|at| circle[at % 16]);
+    let two: [f32; 22] = std::array::from_fn(|at| choice(one[at], one[at + 1]));
+    let four: [f32; 20] = std::array::from_fn(|at| choice(two[at], two[at + 2]));
+    let eight: [f32; 16] = std::array::from_fn(|at| choice(four[at], four[at + 4]));
+    std::array::from_fn(|at| choice(eight[at], one[at + 8]))
 }
 
 /// Steps of one pixel by which the greatest corner measure is followed.
@@ -180,33 +175,44 @@ const HALF_PX: usize = 2;
 fn refined(picture: &Picture, u: usize, v: usize) -> [f64; 2] {
     const REACH: usize = CLIMB + 1 + HALF_PX;
     const SIDE: usize = 2 * REACH + 1;
-    // Products g_u², g_u·g_v and g_v² at the pixels around the point.
-    let mut products = [[[0.0f32; 3]; SIDE]; SIDE];
+    // Products g_u², g_u·g_v and g_v² at the pixels around the point, and a number more, because four are added at once.
+    let mut products = [[[0.0f32; 4]; SIDE]; SIDE];
     for (row, products) in products.iter_mut().enumerate() {
+        let (first_u, v) = (u - REACH - 1, v + row - REACH);
+        let pixels = |v: usize| &picture.values[v * picture.width + first_u..][..SIDE + 2];
+        let (above, beside, below) = (pixels(v - 1), pixels(v), pixels(v + 1));
         for (column, product) in products.iter_mut().enumerate() {
-            let (u, v) = (u + column - REACH, v + row - REACH);
-            let along_u = picture.at(u + 1, v) - picture.at(u - 1, v);
-            let along_v = picture.at(u, v + 1) - picture.at(u, v - 1);
-            *product = [along_u * along_u, along_u * along_v, along_v * along_v];
+            let (along_u, along_v) = (beside[column + 2] - beside[column], below[column + 1] - above[column + 1]);
+            *product = [along_u * along_u, along_u * along_v, along_v * along_v, 0.0];
         }
     }
     // The measure at a pixel counted from the first one at which the square fits.
-    let measure = |[u, v]: [usize; 2]| {
-        let mut sums = [0.0f32; 3];
-        for row in &products[v..=v + 2 * HALF_PX] {
-            for product in &row[u..=u + 2 * HALF_PX] {
-                (0..3).for_each(|part| sums[part] += product[part]);
+    let mut known = [[None; 2 * CLIMB + 3]; 2 * CLIMB + 3];
+    let mut measure = |[u, v]: [usize; 2]| {
+        *known[v][u].get_or_insert_with(|| {
+            let mut sums = [0.0f32; 4];
+            for row in &products[v..=v + 2 * HALF_PX] {
+                for product in &row[u..=u + 2 * HALF_PX] {
+                    (0..4).for_each(|part| sums[part] += product[part]);
+                }
             }
-        }
-        let [uu, uv, vv] = sums.map(f64::from);
-        0.5 * (uu + vv) - (0.25 * (uu - vv).powi(2) + uv * uv).sqrt()
+            let [uu, uv, vv, _] = sums.map(f64::from);
+            0.5 * (uu + vv) - (0.25 * (uu - vv).powi(2) + uv * uv).sqrt()
+        })
     };
     let first = CLIMB + 1;
     let mut at = [first, first];
     for _ in 0..CLIMB {
         let around = [[0, 1], [1, 0], [1, 2], [2, 1]].map(|[du, dv]| [at[0] + du - 1, at[1] + dv - 1]);
-        let Some(best) = around.into_iter().max_by(|a, b| measure(*a).total_cmp(&measure(*b))) else { break };
-        if measure(best) <= measure(at) {
+        // Of equal ones, the last.
+        let (mut best, mut greatest) = (at, f64::NEG_INFINITY);
+        for one in around {
+            let measure = measure(one);
+            if measure.total_cmp(&greatest).is_ge() {
+                (best, greatest) = (one, measure);
+            }
+        }
+        if greatest <= measure(at) {
             break;
         }
         at = best;
@@ -219,4 +225,33 @@ fn refined(picture: &Picture, u: usize, v: usize) -> [f64; 2] {
     let along_u = vertex(measure([at[0] - 1, at[1]]), measure([at[0] + 1, at[1]]));
     let along_v = vertex(measure([at[0], at[1] - 1]), measure([at[0], at[1] + 1]));
     [(u + at[0] - first) as f64 + along_u, (v + at[1] - first) as f64 + along_v]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::synthetic::Random;
+
+    #[test]
+    fn the_contrast_of_a_corner_is_the_greatest_at_which_nine_neighbours_of_the_circle_pass() {
+        let mut random = Random::new(41);
+        for round in 0..2000 {
+            let mut off: [f32; 16] = std::array::from_fn(|_| random.between(-20.0, 20.0) as f32);
+            // Corners of either kind whose arc begins anywhere.
+            if round % 2 == 0 {
+                let sign = if round % 4 == 0 { 1.0 } else { -1.0 };
+                (0..9 + round % 3).for_each(|step| off[(round + step) % 16] = sign * random.between(6.0, 30.0) as f32);
+            }
+            let passes = |level: f32| {
+                (0..16).any(|first| {
+                    let mut arc = (0..9).map(|step| off[(first + step) % 16]);
+                    arc.clone().all(|off| off >= level) || arc.all(|off| off <= -level)
+                })
+            };
+            let contrast = contrast(&off);
+            let levels = off.iter().map(|off| off.abs()).filter(|&level| passes(level));
+            let greatest = levels.fold(0.0, f32::max);
+            assert_eq!(contrast.max(0.0), greatest, "{off:?}");
+        }
+    }
 }

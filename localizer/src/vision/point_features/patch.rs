@@ -189,17 +189,22 @@ impl<const P: usize> Template<P> {
         let levels: Vec<f32> = places.iter().map(|place| smoothed[place.idx]).collect();
         let sum = f64::from(weights.iter().sum::<f32>());
         let mean = (dot(&levels, &weights) / sum) as f32;
-        let mut columns = [(); P].map(|()| Vec::with_capacity(places.len()));
-        for place in places {
+        let mut columns = [(); P].map(|()| vec![0.0; places.len()]);
+        for (at, place) in places.iter().enumerate() {
             let row = changes(&smoothed, place.idx, from_landmark_px(place), mean);
-            columns.iter_mut().zip(row).for_each(|(column, change)| column.push(change));
+            columns.iter_mut().zip(row).for_each(|(column, change)| column[at] = change);
         }
         let mut normal = SMatrix::zeros();
+        let mut scaled = weights.clone();
         for row in 0..P {
-            let scaled: Vec<f32> = columns[row].iter().zip(&weights).map(|(change, weight)| change * weight).collect();
-            for column in 0..=row {
-                normal[(row, column)] = dot(&scaled, &columns[column]);
-                normal[(column, row)] = normal[(row, column)];
+            for (scaled, (change, weight)) in scaled.iter_mut().zip(columns[row].iter().zip(&weights)) {
+                *scaled = change * weight;
+            }
+            let mut products = [0.0; P];
+            dots(&scaled, &columns[..=row], &mut products[..=row]);
+            for (column, product) in products.into_iter().enumerate().take(row + 1) {
+                normal[(row, column)] = product;
+                normal[(column, row)] = product;
             }
         }
         let contrast = (normal[(GAIN, GAIN)] / sum).sqrt();
@@ -231,15 +236,40 @@ fn changes(smoothed: &[f32], idx: usize, from_landmark_px: [f32; 2], mean: f32) 
     changes
 }
 
-/// Sum of products, in eight parts that the compiler adds side by side.
+/// Number of parts of a sum of products that the compiler adds side by side.
+pub(super) const LANES: usize = 8;
+
+/// Sum of products.
 pub(super) fn dot(one: &[f32], other: &[f32]) -> f64 {
-    let mut sums = [0.0f32; 8];
-    let (ones, others) = (one.chunks_exact(8), other.chunks_exact(8));
-    let rest: f32 = ones.remainder().iter().zip(others.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in ones.zip(others) {
-        (0..8).for_each(|lane| sums[lane] += a[lane] * b[lane]);
+    let [sum] = dots_of(one, [other]);
+    sum
+}
+
+/// Sums of products of a list with each of several others, one for each. Up to four are computed side by side.
+pub(super) fn dots(one: &[f32], others: &[Vec<f32>], sums: &mut [f64]) {
+    for (sums, others) in sums.chunks_mut(4).zip(others.chunks(4)) {
+        match others {
+            [a, b, c, d] => sums.copy_from_slice(&dots_of(one, [a, b, c, d])),
+            [a, b, c] => sums.copy_from_slice(&dots_of(one, [a, b, c])),
+            _ => sums.iter_mut().zip(others).for_each(|(sum, other)| *sum = dot(one, other)),
+        }
     }
-    sums.iter().map(|&sum| f64::from(sum)).sum::<f64>() + f64::from(rest)
+}
+
+fn dots_of<const N: usize>(one: &[f32], others: [&[f32]; N]) -> [f64; N] {
+    let (ones, rest) = one.as_chunks::<LANES>();
+    let others = others.map(|other| other.as_chunks::<LANES>());
+    let mut sums = [[0.0f32; LANES]; N];
+    for (at, a) in ones.iter().enumerate() {
+        for (sums, (others, _)) in sums.iter_mut().zip(&others) {
+            let b = &others[at];
+            (0..LANES).for_each(|lane| sums[lane] += a[lane] * b[lane]);
+        }
+    }
+    std::array::from_fn(|which| {
+        let rest: f32 = rest.iter().zip(others[which].1).map(|(a, b)| a * b).sum();
+        sums[which].iter().map(|&sum| f64::from(sum)).sum::<f64>() + f64::from(rest)
+    })
 }
 
 impl Template<FINE> {
@@ -253,5 +283,29 @@ impl Template<COARSE> {
     /// The template of a coarse alignment, for an image at the given scale that has been blurred by `image_variance_px2`.
     pub(super) fn coarse(patch: &Patch, offset_px: [f64; 2], scale: f64, image_variance_px2: f64) -> Template<COARSE> {
         Template::new(patch, offset_px, scale, image_variance_px2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::synthetic::Random;
+
+    #[test]
+    fn sums_of_products_are_those_of_all_pairs_of_lists() {
+        let mut random = Random::new(51);
+        for length in [0, 1, 7, 8, 30] {
+            let mut list = || -> Vec<f32> { (0..length).map(|_| random.between(-1.0, 1.0) as f32).collect() };
+            let one = list();
+            for n_others in 0..10 {
+                let others: Vec<Vec<f32>> = (0..n_others).map(|_| list()).collect();
+                let mut sums = vec![f64::NAN; n_others];
+                dots(&one, &others, &mut sums);
+                for (other, sum) in others.iter().zip(sums) {
+                    let expected: f64 = one.iter().zip(other).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
+                    assert!((sum - expected).abs() < 1e-5, "{length}, {n_others}: {sum} {expected}");
+                }
+            }
+        }
     }
 }
