@@ -44,3 +44,4 @@ pub use keypoint::Keypoint;
 pub use landmark::{Landmark, Record};
 pub use matching::PointMatch;
 pub use search::{Refusal, Search, Sighting};
+pub use templates::Templates;

@@ -2,7 +2,7 @@
 //!
 //! What is searched where matters to what is found, and not to whether a sighting is true.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use interval::Interval;
 
@@ -11,7 +11,7 @@ use crate::{
     map::SpacePoint,
     method::Claim,
     reading::LandmarkId,
-    vision::point_features::{Frame, Landmark, Refusal, Search, Sighting},
+    vision::point_features::{Frame, Landmark, Refusal, Search, Sighting, Templates},
 };
 
 use super::{
@@ -78,13 +78,19 @@ fn is_where_first_seen(point: &SpacePoint, pose: &PoseBox) -> bool {
 pub(super) struct Finder {
     pub(super) lens: PictureLens,
     pub(super) optics: Arc<Optics>,
+    /// Templates of the landmarks that were searched last, of [`MOST_SEARCHED`] at most: about 32 kB for each level of scale that a search covers.
+    templates: BTreeMap<LandmarkId, Templates>,
 }
 
 impl Finder {
+    pub(super) fn new(lens: PictureLens, optics: Arc<Optics>) -> Finder {
+        Finder { lens, optics, templates: BTreeMap::new() }
+    }
+
     /// Searches the landmarks that a picture from a pose within a box may show and that have not been found yet. Where asked for, it is noted of
     /// those that should be wholly in view whether they were found.
     pub(super) fn search(
-        &self,
+        &mut self,
         album: &mut Album,
         frame: &mut Frame,
         pose: &PoseBox,
@@ -92,12 +98,14 @@ impl Finder {
         searched: &mut Searched,
         notes: bool,
     ) {
-        for one in self.expected(album, pose, size_px) {
+        let expected = self.expected(album, pose, size_px);
+        self.templates.retain(|landmark, _| expected.iter().any(|one| one.landmark == *landmark));
+        for one in expected {
             if searched.sights.iter().any(|sight| sight.landmark == one.landmark) {
                 continue;
             }
-            let result =
-                frame.find(&one.look, &Search::in_box(one.region_px, one.scale, Interval::centred(0.0, TURN_RAD)));
+            let search = Search::in_box(one.region_px, one.scale, Interval::centred(0.0, TURN_RAD));
+            let result = frame.find_by(self.templates.entry(one.landmark).or_default(), &one.look, &search);
             let is_in_view = |axis: usize| {
                 one.region_px[axis].lo() > BORDER_PX && one.region_px[axis].hi() < size_px[axis] - BORDER_PX
             };

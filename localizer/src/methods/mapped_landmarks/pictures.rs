@@ -171,7 +171,7 @@ impl PicturedLandmarks {
             stamp_error_s: camera.stamp_error_s,
         };
         PicturedLandmarks {
-            finder: Finder { lens: PictureLens::new(&camera), optics: Arc::new(Optics::new(pinhole, robot.body)) },
+            finder: Finder::new(PictureLens::new(&camera), Arc::new(Optics::new(pinhole, robot.body))),
             images: ImageBounds {
                 focal_px: camera.focal_px.mid(),
                 slant: SLANT,

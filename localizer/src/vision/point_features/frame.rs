@@ -143,9 +143,23 @@ impl<'a> Frame<'a> {
     ///
     /// When it is not found or cannot be told from something else.
     pub fn find(&mut self, landmark: &Landmark, search: &Search) -> Result<Sighting, Refusal> {
+        self.find_by(&mut Templates::default(), landmark, search)
+    }
+
+    /// Searches a landmark, with templates that may be left from searches for the same landmark in earlier images.
+    ///
+    /// # Errors
+    ///
+    /// As for [`find`](Self::find).
+    pub fn find_by(
+        &mut self,
+        templates: &mut Templates,
+        landmark: &Landmark,
+        search: &Search,
+    ) -> Result<Sighting, Refusal> {
         let Some(region) = Region::of(search) else { return Err(Refusal::NothingAlike) };
-        let (postures, mut templates) = (postures(search), Templates::default());
-        let templates = &mut templates;
+        let postures = postures(search);
+        templates.keep(|level| postures.iter().any(|posture| posture.level == level));
         let starts = self
             .candidates(landmark, search, &postures, &region)
             .iter()

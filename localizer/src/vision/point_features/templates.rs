@@ -1,4 +1,6 @@
 //! A landmark's templates at the levels of scale at which it is searched.
+//!
+//! They depend on the landmark and the level alone. To make them takes about a sixth of the time of a search, so that they may be kept from image to image.
 
 use std::{cell::OnceCell, collections::BTreeMap};
 
@@ -10,9 +12,9 @@ use super::smoothing::{COARSE_VARIANCE_PX2, FINE_VARIANCE_PX2};
 /// Variance, in px², by which bilinear interpolation blurs on average.
 const BETWEEN_PX2: f64 = 1.0 / 6.0;
 
-/// Templates of one landmark, made when they are first needed.
+/// Templates of one landmark, made when they are first needed: about 32 kB for each level of scale of the latest search.
 #[derive(Default)]
-pub(super) struct Templates(BTreeMap<i32, AtLevel>);
+pub struct Templates(BTreeMap<i32, AtLevel>);
 
 #[derive(Default)]
 struct AtLevel {
@@ -21,6 +23,17 @@ struct AtLevel {
 }
 
 impl Templates {
+    /// Number of levels of which templates are kept; for tests.
+    #[cfg(test)]
+    pub(super) fn n_levels(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Keeps the templates of some levels.
+    pub(super) fn keep(&mut self, is_kept: impl Fn(i32) -> bool) {
+        self.0.retain(|level, _| is_kept(*level));
+    }
+
     /// The template of the coarse alignment at a scale of [`LEVEL`] to the power of a level.
     pub(super) fn coarse(&mut self, landmark: &Landmark, level: i32) -> &Template<COARSE> {
         let make = || Template::coarse(&landmark.patch, landmark.offset_px(), LEVEL.powi(level), COARSE_VARIANCE_PX2);

@@ -5,7 +5,7 @@ use interval::Interval;
 
 use super::synthetic::{Eye, KINDS, Kind, Texture};
 use super::trial::{Prior, Tally, found_elsewhere, pairs, seed};
-use super::{Frame, ImageBounds, Landmark, Record, Refusal, Search, Sighting};
+use super::{Frame, ImageBounds, Landmark, Record, Refusal, Search, Sighting, Templates};
 use crate::vision::synthetic::Random;
 
 const SIZE_PX: [usize; 2] = [256, 192];
@@ -174,6 +174,31 @@ fn one_of_two_equal_things_is_not_picked() {
         let errors = [0, 1].map(|axis| sighting.position_px[axis] - landmark.position_px()[axis] - [90.0, 0.0][axis]);
         assert!((0..2).all(|axis| errors[axis].abs() < sighting.half_width_px[axis]), "{errors:?}");
     }
+}
+
+#[test]
+fn a_landmark_is_found_by_templates_of_earlier_images_as_by_new_ones() {
+    let (texture, mut random) = (Texture { kind: Kind::Poster, seed: 7 }, Random::new(7));
+    let first = Eye::straight(SIZE_PX);
+    let landmarks = Frame::new(&first.picture(texture, &mut random), &BOUNDS).landmarks(30);
+    let mut kept: Vec<Templates> = landmarks.iter().map(|_| Templates::default()).collect();
+    let mut n_found = 0;
+    // The scale goes through four levels, and back.
+    for scale in [1.0, 1.25, 1.55, 1.9, 1.3, 1.0] {
+        let second = Eye { scale, slant_rad: 0.2, ..first };
+        let picture = second.picture(texture, &mut random);
+        let mut frame = Frame::new(&picture, &BOUNDS);
+        for (landmark, templates) in landmarks.iter().zip(&mut kept) {
+            let at_px = second.project(first.on_plane(landmark.position_px()));
+            let region = at_px.map(|at| Interval::centred(at, 8.0));
+            let search = Search::in_box(region, Interval::centred(scale, 0.15), Interval::centred(0.0, 0.1));
+            let found = frame.find_by(templates, landmark, &search);
+            assert_eq!(found, frame.find(landmark, &search));
+            n_found += usize::from(found.is_ok());
+            assert!(templates.n_levels() <= 3);
+        }
+    }
+    assert!(n_found > 60, "{n_found}");
 }
 
 #[test]

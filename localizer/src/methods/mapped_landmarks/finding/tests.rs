@@ -113,7 +113,7 @@ impl Eye {
             least_depth_m: 0.4,
             stamp_error_s: 0.0,
         };
-        Finder { lens: PictureLens::new(&camera), optics: Arc::new(Optics::new(pinhole, robot().body)) }
+        Finder::new(PictureLens::new(&camera), Arc::new(Optics::new(pinhole, robot().body)))
     }
 }
 
