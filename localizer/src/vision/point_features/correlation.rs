@@ -15,18 +15,25 @@ const LEAST_SHARE: f32 = 0.85;
 /// Greatest number of peaks.
 const MOST_PEAKS: usize = 3;
 
-/// Places in the region of a search at which the patch, warped as given but for its place, correlates most with the coarse image; the best first.
-/// None are returned if the region is too large for that.
-pub(super) fn peaks(template: &Template<COARSE>, coarse: &Picture, region: &Region, warp: &Warp) -> Vec<[f64; 2]> {
+/// Whether the patch may be compared at every place of a region.
+pub(super) fn is_small(region: &Region) -> bool {
+    let (_, [n_columns, n_rows]) = grid(region);
+    n_columns.saturating_mul(n_rows) <= MOST_PLACES
+}
+
+/// The first place of a region, in pixels of the coarse image, and the numbers of places along u and along v. They are steps of one pixel of the coarse
+/// image, of which pixel i is at 2i + ½; one more on each side, so that a peak on the border is one.
+fn grid(region: &Region) -> ([i64; 2], [usize; 2]) {
     let [low, high] = region.hull_px;
-    // Steps of one pixel of the coarse image, of which pixel i is at 2i + ½; one more on each side, so that a peak on the border is one.
     let first = low.map(|at| (0.5 * (at - 0.5)).floor() as i64 - 1);
     let last = high.map(|at| (0.5 * (at - 0.5)).ceil() as i64 + 1);
-    let n_columns = (last[0] - first[0] + 1) as usize;
-    let n_rows = (last[1] - first[1] + 1) as usize;
-    if n_columns.saturating_mul(n_rows) > MOST_PLACES {
-        return Vec::new();
-    }
+    (first, [0, 1].map(|axis| (last[axis] - first[axis] + 1) as usize))
+}
+
+/// Places in the region of a search at which the patch, warped as given but for its place, correlates most with the coarse image; the best first. The
+/// region has to be [small](is_small).
+pub(super) fn peaks(template: &Template<COARSE>, coarse: &Picture, region: &Region, warp: &Warp) -> Vec<[f64; 2]> {
+    let (first, [n_columns, n_rows]) = grid(region);
     let zncc = Points::new(template, warp).zncc(coarse, first, [n_columns, n_rows]);
     let mut peaks: Vec<(f32, usize)> = Vec::new();
     for row in 1..n_rows - 1 {

@@ -223,6 +223,9 @@ impl<'a> Frame<'a> {
         let Some(Posture { level, turn: Some(_) }) = postures.get(postures.len() / 2).copied() else {
             return Vec::new();
         };
+        if !correlation::is_small(region) {
+            return Vec::new();
+        }
         let warp = Warp::similarity([0.0; 2], LEVEL.powi(level), search.turn_rad.mid());
         let peaks = correlation::peaks(templates.coarse(landmark, level), &self.coarse, region, &warp);
         peaks.into_iter().map(|origin_px| (level, Warp { origin_px, ..warp })).collect()
