@@ -30,6 +30,7 @@ mod pose_rows;
 mod ray;
 mod relate;
 mod seen_again;
+mod whereabouts;
 mod whole_drive;
 
 use std::{collections::VecDeque, sync::Arc};

@@ -19,6 +19,7 @@ use super::{
     lens::PictureLens,
     ray::Optics,
     relate::Sight,
+    whereabouts::Wanted,
 };
 
 /// Greatest number of landmarks that are searched in a picture: about 0.1 ms each.
@@ -58,6 +59,8 @@ pub(super) struct Searched {
     pub(super) near_px: Vec<[f64; 2]>,
     /// Landmarks that should be wholly in view, near where they were first seen from, and were not found.
     pub(super) missed: Vec<LandmarkId>,
+    /// The same from wherever, those included.
+    pub(super) absent: Vec<LandmarkId>,
 }
 
 impl Searched {
@@ -113,8 +116,11 @@ impl Finder {
                 album.note(one.landmark, &result);
                 // Where more than one place looks alike, it may well be there; and from elsewhere something may always have hidden it.
                 let is_missed = matches!(&result, Err(refusal) if !matches!(refusal, Refusal::Ambiguous { .. }));
-                if is_missed && is_where_first_seen(&one.point, pose) {
-                    searched.missed.push(one.landmark);
+                if is_missed {
+                    searched.absent.push(one.landmark);
+                    if is_where_first_seen(&one.point, pose) {
+                        searched.missed.push(one.landmark);
+                    }
                 }
             }
             searched.near_px.push(one.region_px.map(Interval::mid));
@@ -140,6 +146,20 @@ impl Finder {
                 self.take(landmark, entry.point, &sighting, searched);
             }
         }
+    }
+
+    /// Searches some landmarks in the whole picture, each at one size: where each of them is seen that is found.
+    pub(super) fn search_whole(&self, frame: &mut Frame, size_px: [f64; 2], wanted: &[Wanted]) -> Vec<Sight> {
+        let whole_px = size_px.map(|size| Interval::new(0.0, size));
+        let mut searched = Searched::default();
+        for one in wanted {
+            let scale = Interval::point(one.size * one.look.enlargement(self.optics.camera.focal_px.mid()));
+            let search = Search::in_box(whole_px, scale, Interval::centred(0.0, TURN_RAD));
+            if let Ok(sighting) = frame.find(&one.look, &search) {
+                self.take(one.landmark, one.point, &sighting, &mut searched);
+            }
+        }
+        searched.sights
     }
 
     /// Takes a landmark that was found among the sightings.
@@ -222,4 +242,4 @@ impl Finder {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

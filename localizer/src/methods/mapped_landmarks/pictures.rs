@@ -42,6 +42,7 @@ use super::{
     ray::Optics,
     relate::{Sight, best_known_apart},
     seen_again::Sought,
+    whereabouts::Whereabouts,
     whole_drive::WholeDrive,
 };
 
@@ -134,10 +135,10 @@ pub struct PicturedLandmarks {
     /// Middle of the box of the pose from whose picture landmarks were learnt last.
     learnt_at: Option<[f64; 3]>,
     latest: Option<Seen>,
-    /// Sightings of the latest picture and the landmarks that it should show and does not, until they are counted.
-    looked_for: Option<(Vec<Sight>, Vec<LandmarkId>)>,
-    /// What the drive tells of the landmarks of the map.
+    looked_for: Option<LookedFor>,
+    /// What the drive tells of the landmarks of the map, and of where some of them are now.
     sought: Sought,
+    whereabouts: Whereabouts,
     /// Recent pictures, from which constraints can be made anew: stamp, sightings, and how many of them may be false.
     recent: VecDeque<(f64, Vec<Sight>, usize)>,
 }
@@ -147,6 +148,16 @@ struct Seen {
     stamp_s: f64,
     found: Vec<Sight>,
     new: Vec<Landmark>,
+}
+
+/// What the latest picture shows of the landmarks of the map, until it is counted.
+struct LookedFor {
+    /// Sightings where landmarks were expected, and of landmarks that were searched in the whole picture.
+    sights: Vec<Sight>,
+    in_whole: Vec<Sight>,
+    /// Landmarks that the picture should show and does not, near where they were first seen from and from wherever.
+    missed: Vec<LandmarkId>,
+    absent: Vec<LandmarkId>,
 }
 
 impl PicturedLandmarks {
@@ -170,6 +181,7 @@ impl PicturedLandmarks {
             least_depth_m: declared.least_depth_m,
             stamp_error_s: camera.stamp_error_s,
         };
+        let album = Album::of(known.points, known.looks);
         PicturedLandmarks {
             finder: Finder::new(PictureLens::new(&camera), Arc::new(Optics::new(pinhole, robot.body))),
             images: ImageBounds {
@@ -181,7 +193,8 @@ impl PicturedLandmarks {
             stray: Stray::by_reach(camera.stamp_error_s, &robot.reach),
             declared,
             learning,
-            album: Album::of(known.points, known.looks),
+            whereabouts: Whereabouts::of(&album),
+            album,
             drive: WholeDrive::default(),
             learnt_at: None,
             latest: None,
@@ -201,14 +214,18 @@ impl PicturedLandmarks {
 
     /// Counts which landmarks of the map the latest picture shows, if its pose is within a box.
     fn count(&mut self, shown: &PoseBox) {
-        let Some((sights, missed)) = self.looked_for.take().filter(|_| !shown.is_empty()) else { return };
+        let Some(mut latest) = self.looked_for.take().filter(|_| !shown.is_empty()) else { return };
         let of_map = |landmark: &LandmarkId| self.album.is_of_map(*landmark);
-        let seen = sights.iter().filter(|sight| of_map(&sight.landmark));
+        let seen = latest.sights.iter().filter(|sight| of_map(&sight.landmark)).chain(&latest.in_whole);
         let (found, elsewhere): (Vec<&Sight>, Vec<&Sight>) =
             seen.partition(|sight| may_be_seen(&self.finder.optics, sight, shown));
-        let numbers = |sights: Vec<&Sight>| -> Vec<LandmarkId> { sights.iter().map(|sight| sight.landmark).collect() };
-        let missed: Vec<LandmarkId> = missed.into_iter().filter(of_map).collect();
-        self.sought.count(&numbers(found), &numbers(elsewhere), &missed);
+        self.whereabouts.keep(&elsewhere, shown, &self.finder.optics);
+        let found: Vec<LandmarkId> = found.iter().map(|sight| sight.landmark).collect();
+        // What was found in the whole picture where it should be was not absent.
+        let is_absent = |landmark: &LandmarkId| of_map(landmark) && !found.contains(landmark);
+        latest.missed.retain(is_absent);
+        latest.absent.retain(is_absent);
+        self.sought.count(&found, &latest.missed, &latest.absent);
     }
 
     /// What sightings relate.
@@ -261,10 +278,16 @@ impl Method for PicturedLandmarks {
         if !is_anywhere {
             self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, true);
         }
-        let Searched { sights, claims, near_px, missed } = search;
-        self.looked_for = (!is_anywhere).then(|| (sights.clone(), missed));
         if self.keeps_drive() && !is_anywhere {
-            self.drive.note(*measured_s, &sights);
+            self.drive.note(*measured_s, &search.sights);
+        }
+        let Searched { sights, claims, near_px, missed, absent } = search;
+        if !is_anywhere {
+            let is_found = |landmark: LandmarkId| sights.iter().any(|sight| sight.landmark == landmark);
+            let so_far = |landmark| self.sought.so_far(landmark).filter(|_| !is_found(landmark));
+            let wanted = self.whereabouts.wanted(&pose, so_far);
+            let in_whole = self.finder.search_whole(&mut frame, size_px, &wanted);
+            self.looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent });
         }
         let mut new = Vec::new();
         let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
@@ -390,7 +413,7 @@ impl Memory for PicturedLandmarks {
     }
 
     fn seen_again(&self) -> Vec<SeenAgain> {
-        self.sought.all()
+        self.sought.all(&self.whereabouts.moved())
     }
 
     fn looks(&self) -> Vec<(LandmarkId, Landmark)> {

@@ -1,12 +1,20 @@
 //! Looks that one camera has taken, searched by cameras of other focal lengths from other distances. Pictures are rendered ray by ray from a formula.
 
+use std::sync::OnceLock;
+
 use image::{GrayImage, Luma};
 
 use super::*;
 use crate::{
+    PoseUnion, Reading,
     graph::trial::{Draw, robot},
     map::Anchor,
-    methods::mapped_landmarks::PointCameraModel,
+    method::{Context, Memory, Method},
+    methods::mapped_landmarks::{
+        Learning, PointCameraModel,
+        pictures::{Declared, KnownLandmarks, PicturedLandmarks},
+    },
+    reading::Camera,
     robot::ForwardCameraModel,
     vision::point_features::ImageBounds,
 };
@@ -27,8 +35,22 @@ fn hashed(column: i64, row: i64, which: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Grey level of the wall at a place along y and z: rectangles in three sizes and turns.
-fn grey([y_m, z_m]: [f64; 2]) -> f64 {
+/// Grey level of the wall at a place along y and z: of cells of 4 mm, each of which is drawn once.
+fn grey(place_m: [f64; 2]) -> f64 {
+    const CELL_M: f64 = 0.004;
+    const N_CELLS: i64 = 500;
+    static CELLS: OnceLock<Vec<f32>> = OnceLock::new();
+    let drawn = |column: i64, row: i64| painted([column, row].map(|at| (at as f64 + 0.5) * CELL_M));
+    let [column, row] = place_m.map(|at_m| (at_m / CELL_M).floor() as i64);
+    let cells = || (-N_CELLS..N_CELLS).flat_map(|row| (-N_CELLS..N_CELLS).map(move |column| [column, row]));
+    let all = CELLS.get_or_init(|| cells().map(|[column, row]| drawn(column, row) as f32).collect());
+    let idx = (row + N_CELLS) * 2 * N_CELLS + column + N_CELLS;
+    let is_drawn = [column, row].iter().all(|at| (-N_CELLS..N_CELLS).contains(at));
+    if is_drawn { f64::from(all[idx as usize]) } else { drawn(column, row) }
+}
+
+/// Grey level at a place along y and z: rectangles in three sizes and turns.
+fn painted([y_m, z_m]: [f64; 2]) -> f64 {
     let rectangle = |pitch_m: f64, turn_rad: f64, which: u64| {
         let (sin, cos) = turn_rad.sin_cos();
         let (x, y) = ((y_m * cos + z_m * sin) / pitch_m, (z_m * cos - y_m * sin) / pitch_m);
@@ -42,12 +64,24 @@ fn grey([y_m, z_m]: [f64; 2]) -> f64 {
     shade.unwrap_or(120.0)
 }
 
-/// A level pinhole camera.
-#[derive(Clone, Copy)]
-struct Eye {
-    place_m: [f64; 3],
-    heading_rad: f64,
-    focal_px: f64,
+/// The place whose grey level is seen at a place of the wall along y and z, once two pictures of 0.8 m by 0.9 m hang in each other's place, 1 m apart.
+fn exchanged([y_m, z_m]: [f64; 2]) -> [f64; 2] {
+    let is_on = |middle_m: f64| (y_m - middle_m).abs() <= 0.4 && (z_m - 0.3).abs() <= 0.45;
+    let from_m = if is_on(EXCHANGED_M[0]) { EXCHANGED_M[1] - EXCHANGED_M[0] } else { 0.0 };
+    let from_m = if is_on(EXCHANGED_M[1]) { EXCHANGED_M[0] - EXCHANGED_M[1] } else { from_m };
+    [y_m + from_m, z_m]
+}
+
+/// The middles of the pictures, along y.
+const EXCHANGED_M: [f64; 2] = [-0.5, 0.5];
+
+/// A level pinhole camera before the wall as it was, or after two of its pictures were exchanged.
+#[derive(Clone, Copy, Default)]
+pub(in super::super) struct Eye {
+    pub(in super::super) place_m: [f64; 3],
+    pub(in super::super) heading_rad: f64,
+    pub(in super::super) focal_px: f64,
+    pub(in super::super) is_later: bool,
 }
 
 impl Eye {
@@ -75,7 +109,8 @@ impl Eye {
         GrayImage::from_fn(SIZE_PX[0], SIZE_PX[1], |u, v| {
             let around = steps().flat_map(|du| steps().map(move |dv| [du, dv]));
             let part = |[du, dv]: [f64; 2]| {
-                weight(du) * weight(dv) * grey(self.on_wall([f64::from(u) + du, f64::from(v) + dv]))
+                let at_m = self.on_wall([f64::from(u) + du, f64::from(v) + dv]);
+                weight(du) * weight(dv) * grey(if self.is_later { exchanged(at_m) } else { at_m })
             };
             Luma([(around.map(part).sum::<f64>() / sum).round() as u8])
         })
@@ -86,8 +121,8 @@ impl Eye {
     }
 
     /// The camera as the localizer is given it.
-    fn finder(&self) -> Finder {
-        let camera = ForwardCameraModel {
+    fn model(&self) -> ForwardCameraModel {
+        ForwardCameraModel {
             focal_px: Interval::point(self.focal_px),
             principal_point_px: CENTRE_PX.map(Interval::point),
             distortion: [0.0; 5],
@@ -100,7 +135,12 @@ impl Eye {
             height_m: Interval::point(self.place_m[2]),
             height_px: SIZE_PX[1],
             row_time_s: 0.0,
-        };
+        }
+    }
+
+    /// What searches landmarks in the pictures of the camera.
+    pub(in super::super) fn finder(&self) -> Finder {
+        let camera = self.model();
         let pinhole = PointCameraModel {
             focal_px: camera.focal_px,
             centre_px: camera.principal_point_px,
@@ -118,15 +158,15 @@ impl Eye {
 }
 
 /// Landmarks that a first camera has taken of the wall: their places on it, and what a map keeps of them.
-struct Taken {
+pub(in super::super) struct Taken {
     places_m: Vec<[f64; 2]>,
-    points: Vec<(LandmarkId, SpacePoint)>,
-    looks: Vec<(LandmarkId, Landmark)>,
+    pub(in super::super) points: Vec<(LandmarkId, SpacePoint)>,
+    pub(in super::super) looks: Vec<(LandmarkId, Landmark)>,
 }
 
 impl Taken {
-    fn by_first_camera() -> Taken {
-        let first = Eye { place_m: [0.0, 0.0, 0.3], heading_rad: 0.0, focal_px: FOCAL_PX };
+    pub(in super::super) fn by_first_camera() -> Taken {
+        let first = Eye { place_m: [0.0, 0.0, 0.3], focal_px: FOCAL_PX, ..Eye::default() };
         let taken = Frame::new(&first.picture(), &first.bounds()).landmarks(60);
         let places_m: Vec<[f64; 2]> = taken.iter().map(|look| first.on_wall(look.position_px())).collect();
         let point = |&[y_m, z_m]: &[f64; 2]| {
@@ -173,7 +213,8 @@ fn a_look_is_found_by_a_camera_of_another_focal_length() {
     // Focal length and distance from the wall, as multiples of those at which the looks were taken.
     for [focal, distance] in [[1.0, 1.0], [0.7, 1.0], [1.4, 1.0], [0.55, 1.0], [1.8, 1.0], [0.45, 0.45], [2.2, 2.2]] {
         let place_m = [WALL_M * (1.0 - distance), 0.05, 0.36];
-        let [n_in_view, n_found] = taken.found_by(Eye { place_m, heading_rad: 0.03, focal_px: focal * FOCAL_PX });
+        let [n_in_view, n_found] =
+            taken.found_by(Eye { place_m, heading_rad: 0.03, focal_px: focal * FOCAL_PX, is_later: false });
         assert!(n_in_view >= 4 && 10 * n_found >= 8 * n_in_view, "{focal}, {distance}: {n_found} of {n_in_view}");
     }
 }
@@ -181,7 +222,7 @@ fn a_look_is_found_by_a_camera_of_another_focal_length() {
 #[test]
 fn the_ray_to_a_landmark_is_within_the_one_that_is_told_at_a_small_part_of_the_cost() {
     let mut draw = Draw::new(20_261_215);
-    let finder = Eye { place_m: [0.0, 0.0, 0.3], heading_rad: 0.0, focal_px: FOCAL_PX }.finder();
+    let finder = Eye { place_m: [0.0, 0.0, 0.3], focal_px: FOCAL_PX, ..Eye::default() }.finder();
     for _ in 0..200 {
         let mut around =
             |middle: f64, half_m: f64| Interval::centred(draw.between(-middle, middle), draw.between(0.0, half_m));
@@ -191,4 +232,52 @@ fn the_ray_to_a_landmark_is_within_the_one_that_is_told_at_a_small_part_of_the_c
         let (narrow, wide) = (finder.optics.ray(&pose, &point), finder.optics.wide_ray(&pose, &point));
         assert!((0..3).all(|k| !narrow[k].is_empty() && narrow[k].is_subset_of(wide[k])), "{narrow:?} {wide:?}");
     }
+}
+
+/// What is told of landmarks after so many pictures, from a way of some length along x and y, of the wall as it was or as it is later: for each landmark
+/// that is gone, its place along y as the map has it and where it is now.
+fn gone(is_later: bool, n_pictures: u32, shift_m: [f64; 2]) -> Vec<(f64, Option<f64>)> {
+    let taken = Taken::by_first_camera();
+    let eye = Eye { place_m: [0.0, 0.0, 0.3], focal_px: FOCAL_PX, is_later, ..Eye::default() };
+    let known = KnownLandmarks { points: &taken.points, looks: &taken.looks };
+    let mut method = PicturedLandmarks::new(eye.model(), &robot(), known, Learning::Never, Declared::default());
+    for step in 0..n_pictures {
+        let along = f64::from(step) / f64::from(n_pictures) - 0.5;
+        let eye = Eye { place_m: [shift_m[0] * along, shift_m[1] * along, 0.3], heading_rad: -0.2 * along, ..eye };
+        let pose = [eye.place_m[0], eye.place_m[1], eye.heading_rad].map(|at| Interval::centred(at, 0.02));
+        let pose = PoseUnion::single(PoseBox::from(pose));
+        let stamp_s = 0.2 * f64::from(step);
+        let image = Arc::new(eye.picture());
+        let reading = Reading::Camera {
+            measured_s: stamp_s,
+            arrived_s: stamp_s,
+            camera: Camera::Forward,
+            exposure_s: 0.0,
+            image,
+        };
+        method.constrain(&reading, &Context::at_rest(&pose));
+        method.learn(&pose, &|_, _| None);
+    }
+    let place = |landmark: LandmarkId| taken.places_m[landmark.0 as usize][0];
+    let seen = method.seen_again();
+    assert!(seen.len() > 20, "{}", seen.len());
+    let gone = seen.iter().filter(|one| one.is_gone());
+    gone.map(|one| (place(one.landmark), one.now_m.map(|[_, y_m, _]| y_m))).collect()
+}
+
+#[test]
+fn landmarks_of_exchanged_pictures_are_found_where_the_other_picture_was() {
+    let told = gone(true, 32, [0.0, 1.6]);
+    let moved: Vec<(f64, f64)> = told.iter().filter_map(|&(at_m, now_m)| Some((at_m, now_m?))).collect();
+    for side in EXCHANGED_M {
+        let of_it = moved.iter().filter(|(at_m, _)| (at_m - side).abs() < 0.45).count();
+        assert!(of_it >= 2, "{side}: {told:?}");
+    }
+    for (at_m, now_m) in moved {
+        let expected_m = at_m - 2.0 * at_m.signum() * EXCHANGED_M[1];
+        assert!((now_m - expected_m).abs() < 0.06, "{at_m} {now_m}");
+    }
+    // Nothing is told of a wall that is as it was, nor are places told by pictures from one place.
+    assert_eq!(gone(false, 10, [0.0, 1.6]), []);
+    assert!(gone(true, 12, [0.0, 0.0]).iter().all(|(_, now_m)| now_m.is_none()));
 }
