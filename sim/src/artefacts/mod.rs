@@ -9,6 +9,7 @@
 //! | `wording` | quantities in words, with their units |
 //! | `summary` | the files `summary.json` and `timing.json` |
 //! | [`seen_again`] | which landmarks of a map a drive saw again, and which seem to have gone |
+//! | `map_changes` | the places from which landmarks of a map have gone or moved together |
 //! | [`run_files`] | the folder of one run: its summary, trajectories, boxes, steps |
 //! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
 //! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
@@ -23,6 +24,7 @@ mod digest;
 mod occurrences;
 mod summary;
 pub mod seen_again;
+pub mod map_changes;
 pub(crate) mod wording;
 pub mod run_files;
 pub mod recording;

@@ -6,12 +6,15 @@ use serde_json::Value;
 
 use crate::{run::RunRecord, scene::Scene};
 
-/// Landmarks that are nearer to each other than this on the floor plan are told as one place.
-const NEAR_M: f64 = 0.6;
-/// Width of a landmark's box, along any axis, from which on its place is not told.
+use super::map_changes::{Change, Changed, changes};
+
+/// Width of a landmark's box, along any axis, from which on nothing is told of it: what is known so vaguely is seldom a point of a surface, and is
+/// then not seen again from other places.
 const VAGUE_M: f64 = 1.0;
-/// Greatest number of places that are told in words.
-const MOST_PLACES: usize = 6;
+/// Least number of landmarks of a change that is told in words: a few are easily hidden.
+const FEWEST_TOLD: usize = 2;
+/// Greatest number of changes that are told in words.
+const MOST_TOLD: usize = 6;
 
 /// What a drive tells of the landmarks of its map that should have been in view.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -20,8 +23,10 @@ pub struct MapSeen {
     pub looked_for: usize,
     /// Number of them that were seen again.
     pub seen_again: usize,
-    /// Those that are no longer where the map has them, as far as the drive tells.
+    /// Those that are no longer where the map has them, as far as the drive tells. None of whose place the map knows little is among them.
     pub gone: Vec<Gone>,
+    /// The same, neighbours taken together.
+    pub changes: Vec<Change>,
 }
 
 /// A landmark that is no longer where the map has it.
@@ -29,14 +34,18 @@ pub struct MapSeen {
 pub struct Gone {
     /// Its number on the map.
     pub number: u32,
-    /// World x, y and z of the middle of its box on the map; `None` where the map knows its place only vaguely.
-    pub at_m: Option<[f64; 3]>,
+    /// World x, y and z of the middle of its box on the map.
+    pub at_m: [f64; 3],
+    /// World x, y and z of the place where it was found instead; `None` if none is known.
+    pub now_m: Option<[f64; 3]>,
     /// Number of pictures in which it was found where the map has it.
     pub found: usize,
-    /// Number of pictures in which it was found elsewhere.
+    /// Number of pictures in which it was found at that other place.
     pub elsewhere: usize,
-    /// Number of pictures in which it was missed.
+    /// Number of pictures in which it was missed near the place from which it was first seen.
     pub missed: usize,
+    /// Number of pictures in which it was missed from wherever.
+    pub absent: usize,
 }
 
 impl MapSeen {
@@ -49,17 +58,24 @@ impl MapSeen {
             let place_m = point.place_m().filter(|sides| sides.iter().all(|side| side.width() <= VAGUE_M))?;
             Some(place_m.map(|side| side.mid()))
         };
-        let gone = sought.iter().filter(|one| one.is_gone()).map(|one| Gone {
-            number: one.landmark.0,
-            at_m: at_m(one.landmark),
-            found: one.n_found,
-            elsewhere: one.n_elsewhere,
-            missed: one.n_missed,
+        let gone = sought.iter().filter(|one| one.is_gone()).filter_map(|one| {
+            Some(Gone {
+                number: one.landmark.0,
+                at_m: at_m(one.landmark)?,
+                now_m: one.now_m,
+                found: one.n_found,
+                elsewhere: one.n_elsewhere,
+                missed: one.n_missed,
+                absent: one.n_absent,
+            })
         });
+        let gone: Vec<Gone> = gone.collect();
+        let changed = |one: &Gone| Changed { number: one.number, at_m: one.at_m, now_m: one.now_m };
         (!sought.is_empty()).then(|| MapSeen {
             looked_for: sought.len(),
             seen_again: sought.iter().filter(|one| one.n_found > 0 && !one.is_gone()).count(),
-            gone: gone.collect(),
+            changes: changes(&gone.iter().map(changed).collect::<Vec<Changed>>()),
+            gone,
         })
     }
 }
@@ -68,45 +84,22 @@ impl MapSeen {
 pub fn in_words(summary: &Value) -> Option<String> {
     let seen = summary.get("map_seen").filter(|seen| !seen.is_null())?;
     let number = |key: &str| seen[key].as_u64().unwrap_or(0);
-    let gone = seen["gone"].as_array().map_or(&[][..], Vec::as_slice);
+    let changes: Vec<Change> = serde_json::from_value(seen["changes"].clone()).unwrap_or_default();
     let counts = format!(
         "Of {} landmarks of the map that should have been in view, {} were seen again",
         number("looked_for"),
         number("seen_again")
     );
-    if gone.is_empty() {
+    if changes.is_empty() {
         return Some(format!("{counts}; none seems to have gone."));
     }
-    let coordinate = |one: &Value, axis: usize| one["at_m"][axis].as_f64();
-    let at: Vec<[f64; 2]> = gone.iter().filter_map(|one| Some([coordinate(one, 0)?, coordinate(one, 1)?])).collect();
-    let places = places(&at);
-    let around = |([x_m, y_m], n): &([f64; 2], usize)| format!("{n} around x {x_m:.1} m, y {y_m:.1} m");
-    let mut told: Vec<String> = places.iter().take(MOST_PLACES).map(around).collect();
-    let others: usize = places.iter().skip(MOST_PLACES).map(|(_, n)| n).sum();
-    let vague = gone.len() - at.len();
-    let rest = [(others, "at other places"), (vague, "where the map is vague")];
-    told.extend(rest.iter().filter(|(n, _)| *n > 0).map(|(n, place)| format!("{n} {place}")));
-    let seem = if gone.len() == 1 { "seems" } else { "seem" };
-    Some(format!("{counts}; {} {seem} to have gone: {}.", gone.len(), told.join(", ")))
-}
-
-/// The middles of groups of points that are near to each other, with the number of points of each, the largest group first.
-fn places(points: &[[f64; 2]]) -> Vec<([f64; 2], usize)> {
-    let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
-    for &point in points {
-        let is_near = |group: &Vec<[f64; 2]>| {
-            group.iter().any(|other| (other[0] - point[0]).hypot(other[1] - point[1]) <= NEAR_M)
-        };
-        let (near, apart): (Vec<_>, Vec<_>) = groups.into_iter().partition(is_near);
-        groups = apart;
-        groups.push(near.into_iter().flatten().chain([point]).collect());
-    }
-    let middle = |group: &Vec<[f64; 2]>| {
-        [0, 1].map(|axis| group.iter().map(|point| point[axis]).sum::<f64>() / group.len() as f64)
-    };
-    let mut places: Vec<([f64; 2], usize)> = groups.iter().map(|group| (middle(group), group.len())).collect();
-    places.sort_by(|a, b| b.1.cmp(&a.1).then(a.0[0].total_cmp(&b.0[0])));
-    places
+    let is_told = |change: &&Change| change.landmarks.len() >= FEWEST_TOLD;
+    let told: Vec<&Change> = changes.iter().filter(is_told).take(MOST_TOLD).collect();
+    let mut parts: Vec<String> = told.iter().map(|change| change.in_words()).collect();
+    let others: usize = changes.iter().skip(told.len()).map(|change| change.landmarks.len()).sum();
+    let (seem, others_told) = if others == 1 { ("seems", "1 other") } else { ("seem", &*format!("{others} others")) };
+    parts.extend((others > 0).then(|| format!("{others_told} {seem} to have gone or moved, here and there")));
+    Some(format!("{counts}; {}.", parts.join("; ")))
 }
 
 #[cfg(test)]
@@ -117,25 +110,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn landmarks_near_each_other_are_one_place() {
-        let places = places(&[[0.0, 0.0], [3.0, 1.0], [1.0, 0.0], [0.5, 0.0], [3.0, 1.5]]);
-        assert_eq!(places, [([0.5, 0.0], 3), ([3.0, 1.25], 2)]);
-    }
-
-    #[test]
-    fn what_has_gone_is_told_by_its_places() {
-        let gone = |x: f64| json!({ "number": 1, "at_m": [x, 2.04, 0.5], "found": 0, "elsewhere": 0, "missed": 12 });
-        let seen = |gone: Value| json!({ "map_seen": { "looked_for": 20, "seen_again": 15, "gone": gone } });
-        let told = in_words(&seen(json!([gone(1.0), gone(1.2), gone(4.0)]))).unwrap();
+    fn what_has_gone_and_moved_is_told_by_its_places() {
+        let change =
+            |landmarks: &[u32], x_m: f64| json!({ "landmarks": landmarks, "from_m": [x_m, 2.04, 0.5], "n_moved": 0 });
+        let moved = json!({ "landmarks": [4, 6], "from_m": [1.0, 0.0, 1.0], "to_m": [3.0, 0.0, 1.0], "moved_m": 2.0, "n_moved": 2 });
+        let seen = |changes: Value| json!({ "map_seen": { "looked_for": 20, "seen_again": 15, "changes": changes } });
+        let told = in_words(&seen(json!([change(&[1, 2, 3], 1.1), moved, change(&[9], 4.0)]))).unwrap();
         assert_eq!(
             told,
-            "Of 20 landmarks of the map that should have been in view, 15 were seen again; 3 seem to have gone: 2 around x 1.1 m, y 2.0 m, \
-             1 around x 4.0 m, y 2.0 m."
+            "Of 20 landmarks of the map that should have been in view, 15 were seen again; 3 seem to have gone from around x 1.1 m, y 2.0 m, z 0.5 m; \
+             2 seem to have moved from around x 1.0 m, y 0.0 m, z 1.0 m by 2.0 m to around x 3.0 m, y 0.0 m, z 1.0 m; 1 other seems to have gone or \
+             moved, here and there."
         );
-        let vague = json!({ "number": 4, "at_m": null, "found": 0, "elsewhere": 0, "missed": 9 });
-        assert!(
-            in_words(&seen(json!([vague]))).unwrap().ends_with("; 1 seems to have gone: 1 where the map is vague.")
-        );
+        // More than six are not told one by one.
+        let many: Vec<Value> = (0..8).map(|at| change(&[2 * at, 2 * at + 1], f64::from(at))).collect();
+        let told = in_words(&seen(json!(many))).unwrap();
+        assert!(told.contains("x 5.0 m") && !told.contains("x 6.0 m") && told.contains("; 4 others seem to"), "{told}");
         assert!(in_words(&seen(json!([]))).unwrap().ends_with("15 were seen again; none seems to have gone."));
         assert_eq!(in_words(&json!({})), None);
     }
