@@ -282,6 +282,7 @@ impl Method for PicturedLandmarks {
             self.drive.note(*measured_s, &search.sights);
         }
         let Searched { sights, claims, near_px, missed, absent } = search;
+        self.looked_for = None;
         if !is_anywhere {
             let is_found = |landmark: LandmarkId| sights.iter().any(|sight| sight.landmark == landmark);
             let so_far = |landmark| self.sought.so_far(landmark).filter(|_| !is_found(landmark));
