@@ -8,6 +8,9 @@ const NEAR_M: f64 = 0.6;
 /// Greatest change of the distance between two landmarks that have moved together: new places are told to some decimetres.
 const STRETCH_M: f64 = 0.4;
 
+/// Least number of landmarks that have moved together for that to be told: a single one may look like something else.
+const FEWEST_MOVED: usize = 2;
+
 /// A landmark that is no longer where the map has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Changed {
@@ -36,17 +39,19 @@ pub struct Change {
     pub n_moved: usize,
 }
 
-/// The changes that some landmarks tell of, those of the most landmarks first. Landmarks have moved together if they are neighbours in both places.
-/// Those that were not found again belong to what has moved from beside them, or else to each other.
+/// The changes that some landmarks tell of, those of the most landmarks first. Landmarks have moved together if they are neighbours in both places. One
+/// that has moved alone counts as not found again. Those that were not found again belong to what has moved from beside them, or else to each other.
 pub(crate) fn changes(changed: &[Changed]) -> Vec<Change> {
-    let (moved, missing): (Vec<Changed>, Vec<Changed>) = changed.iter().partition(|one| one.now_m.is_some());
+    let (moved, mut missing): (Vec<Changed>, Vec<Changed>) = changed.iter().partition(|one| one.now_m.is_some());
     let together = |one: &Changed, other: &Changed| {
         let before_m = distance_m(one.at_m, other.at_m);
         let now_m = one.now_m.zip(other.now_m).map(|(one, other)| distance_m(one, other));
         before_m <= NEAR_M && now_m.is_some_and(|now_m| (now_m - before_m).abs() <= STRETCH_M)
     };
     let near = |one: &Changed, other: &Changed| distance_m(one.at_m, other.at_m) <= NEAR_M;
-    let mut groups = grouped(&moved, together);
+    let (mut groups, lone): (Vec<Vec<Changed>>, Vec<Vec<Changed>>) =
+        grouped(&moved, together).into_iter().partition(|group| group.len() >= FEWEST_MOVED);
+    missing.extend(lone.into_iter().flatten().map(|one| Changed { now_m: None, ..one }));
     let mut apart = Vec::new();
     for one in missing {
         match groups.iter_mut().find(|group| group.iter().any(|other| other.now_m.is_some() && near(&one, other))) {
@@ -169,11 +174,12 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_that_were_found_far_from_each_other_have_not_moved_together() {
+    fn neighbours_that_were_found_far_from_each_other_have_gone_and_not_moved_together() {
         let told = changes(&[
             changed(1, [1.0, 0.0, 1.0], Some([3.0, 0.0, 1.0])),
             changed(2, [1.3, 0.0, 1.0], Some([1.3, 3.0, 1.0])),
         ]);
-        assert_eq!(told.len(), 2);
+        assert_eq!(told.len(), 1);
+        assert_eq!((&told[0].landmarks[..], told[0].to_m, told[0].n_moved), (&[1, 2][..], None, 0));
     }
 }
