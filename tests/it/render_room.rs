@@ -385,6 +385,38 @@ fn a_floor_camera_sees_the_edge_of_a_carpet() {
 }
 
 #[test]
+fn books_stand_in_the_upright_faces_of_furniture_alone_and_each_number_shows_others() {
+    let shelf = |books: &str| {
+        let piece = "[[furniture]]\nx_m = 2.0\ny_m = 2.7\nsize_m = [1.6, 0.3]\nheight_m = 1.8\nalbedo = 0.4\n";
+        black_room(&format!("{piece}{books}"))
+    };
+    let lens = || Lens::ideal([160, 120], 110.0);
+    // From 1.4 m ahead of the front, 2 m of which are in view; and from above the top, which is 0.5 m below and wholly fills the picture's middle.
+    let level_rad = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -0.5 * PI);
+    let ahead = || quiet_view(lens(), vec![Isometry3::from_parts(Translation3::new(2.0, 1.15, 0.9), level_rad)], 3.0);
+    let above = || quiet_view(lens(), vec![looking_down(2.0, 2.7, 2.3)], 3.0);
+    // Mean and standard deviation within half of the picture's width and a quarter of its height.
+    let statistics = |image: &GrayImage| {
+        let levels = (40..120).flat_map(|u| (45..75).map(move |v| [u, v])).map(|[u, v]| level(image, u, v));
+        let levels: Vec<f64> = levels.collect();
+        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+        (mean, (levels.iter().map(|level| (level - mean).powi(2)).sum::<f64>() / levels.len() as f64).sqrt())
+    };
+    let [plain, three, four] = ["", "books = 3\n", "books = 4\n"].map(|books| draw(&shelf(books), ahead()));
+    let (plain_mean, plain_sd) = statistics(&plain);
+    assert!(plain_mean > 15.0 && plain_sd < 0.1 * plain_mean, "{plain_mean} ± {plain_sd}");
+    for image in [&three, &four] {
+        let (mean, sd) = statistics(image);
+        assert!((0.75..1.25).contains(&(mean / plain_mean)), "{mean} in place of {plain_mean}");
+        assert!(sd > 0.3 * mean, "{mean} ± {sd}");
+    }
+    let off = three.iter().zip(four.iter()).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / three.len() as f64;
+    assert!(off > 0.1 * plain_mean, "{off}");
+    let tops = ["", "books = 3\n"].map(|books| statistics(&draw(&shelf(books), above())));
+    assert!((tops[0].0 / tops[1].0 - 1.0).abs() < 0.02 && tops[1].1 < 0.1 * tops[1].0, "{tops:?}");
+}
+
+#[test]
 fn both_renderers_see_the_edge_of_a_turned_carpet_where_it_lies() {
     // A carpet of 1 m by 0.6 m, turned by 30° about its middle: the middle of its far edge is at (2, 1.5), in the middle of the picture.
     let (sin, cos) = 30_f64.to_radians().sin_cos();

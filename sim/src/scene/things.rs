@@ -46,6 +46,10 @@ pub struct Furniture {
     #[serde(default = "default_furniture_roughness_deg")]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub roughness_deg: f64,
+    /// Number of the books that stand in the furniture's upright faces, as in open shelves; each number shows others. Plain faces unless stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(max = 65535))]
+    pub books: Option<u32>,
 }
 
 /// A person who walks to and fro along a polyline and stands still while the robot is in the way.

@@ -80,11 +80,13 @@ pub enum Texture {
     Facade,
     /// Asphalt with stones, spots, patches and cracks.
     Asphalt,
+    /// Shelves with books.
+    Books,
 }
 
 impl Texture {
     /// Number of textures.
-    pub const COUNT: usize = 11;
+    pub const COUNT: usize = 12;
 }
 
 impl Material {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3, vector};
 
-use super::{Material, Panel, Part, level, raised};
+use super::{Material, Panel, Part, Texture, level, raised};
 use crate::scene::Furniture;
 
 /// Distance from a box up to which a panel (a flat rectangle of the building) counts as touching the box.
@@ -25,12 +25,13 @@ pub struct UprightBox {
 
 impl From<&Furniture> for UprightBox {
     fn from(piece: &Furniture) -> UprightBox {
+        let plain = Material::matt(piece.albedo).glossy(piece.gloss, piece.roughness_deg.to_radians());
         UprightBox {
             middle_m: [piece.x_m, piece.y_m],
             heading_rad: piece.rotation_deg.to_radians(),
             size_m: piece.size_m,
             between_m: [0.0, piece.height_m],
-            material: Material::matt(piece.albedo).glossy(piece.gloss, piece.roughness_deg.to_radians()),
+            material: piece.books.map_or(plain, |seed| Material { seed, ..plain.with(Texture::Books) }),
         }
     }
 }
@@ -59,20 +60,24 @@ impl UprightBox {
     pub fn panels(&self, room: usize) -> Vec<Panel> {
         let corners = self.corners();
         let height = vector![0.0, 0.0, self.between_m[1] - self.between_m[0]];
-        let face = |corner: Point3<f64>, along: Vector3<f64>, up: Vector3<f64>| Panel {
+        let face = |corner: Point3<f64>, along: Vector3<f64>, up: Vector3<f64>, material: Material| Panel {
             corner,
             along,
             up,
-            material: self.material,
+            material,
             part: Part::Thing,
             room,
             outline: None,
         };
+        let upright = |side: usize| corners[(side + 1) % 4] - corners[side];
         let mut faces: Vec<Panel> =
-            (0..4).map(|side| face(corners[side], corners[(side + 1) % 4] - corners[side], height)).collect();
-        faces.push(face(corners[4], corners[5] - corners[4], corners[7] - corners[4]));
+            (0..4).map(|side| face(corners[side], upright(side), height, self.material)).collect();
+        // Books stand in upright faces alone.
+        let is_of_books = self.material.texture == Texture::Books;
+        let level = if is_of_books { self.material.with(Texture::Plain) } else { self.material };
+        faces.push(face(corners[4], corners[5] - corners[4], corners[7] - corners[4], level));
         if self.between_m[0] > 0.0 {
-            faces.push(face(corners[0], corners[3] - corners[0], corners[1] - corners[0]));
+            faces.push(face(corners[0], corners[3] - corners[0], corners[1] - corners[0], level));
         }
         faces
     }

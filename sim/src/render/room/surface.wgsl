@@ -132,6 +132,9 @@ fn texture_at(face: Face) -> f32 {
     if (TEXTURE == 10u) {
         return asphalt(place, pixel_m, seed);
     }
+    if (TEXTURE == 11u) {
+        return books(place, extent, pixel_m, face.size.xy, seed);
+    }
     return 1.0;
 }
 

@@ -1,6 +1,6 @@
 // What is on surfaces: a factor on their albedo with mean near 1, faded out where it is finer than the pixel.
 
-override TEXTURE: u32 = 0u; // 0 plain, 1 plaster, 2 tiles, 3 concrete, 4 wood, 5 carpet, 6 picture, 7 wet, 8 chessboard, 9 facade, 10 asphalt
+override TEXTURE: u32 = 0u; // 0 plain, 1 plaster, 2 tiles, 3 concrete, 4 wood, 5 carpet, 6 picture, 7 wet, 8 chessboard, 9 facade, 10 asphalt, 11 books
 
 // Chris Wellons' "lowbias32", one round, as in the floor's pattern.
 fn lattice_value(h: u32) -> f32 {
@@ -279,4 +279,46 @@ fn asphalt(place: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {
     let is_mended = cell_value(square, seed + 44u) > -0.2;
     let patch_share = rectangle(place - middle, half, vec2(max(pixel_m, 0.01))) * select(0.0, 1.0, is_mended);
     return clamp(mix(tone, 0.6 * (0.9 + stones), patch_share), 0.1, 2.6);
+}
+
+// Where the book with this number begins on its board: books are 0.03 to 0.06 m thick.
+fn book_begins(book: f32, board: f32, seed: u32) -> f32 {
+    return (book + 0.3 * cell_value(vec2(book, board), seed)) * 0.045;
+}
+
+// The back of one book, as a factor on the mean, with its title as a lighter or darker field; above it the shadow of the board. `up` is from the board
+// that it stands on, in a compartment of this height.
+fn book(number: f32, board: f32, up: f32, high: f32, extent: vec2<f32>, seed: u32) -> f32 {
+    let here = vec2(number, board);
+    // Here and there a book has been taken out.
+    let tall = select(high * (0.72 + 0.2 * cell_value(here, seed + 1u)), 0.0, cell_value(here, seed + 2u) > 0.84);
+    let tone = 1.15 + 0.85 * cell_value(here, seed + 3u);
+    let title_at = tall * (0.66 + 0.14 * cell_value(here, seed + 4u));
+    let in_title = clamp((0.1 * tall - abs(up - title_at)) / max(extent.y, 1e-3) + 0.5, 0.0, 1.0);
+    let back = mix(tone, select(0.35, 1.9, cell_value(here, seed + 5u) > 0.0), 0.8 * in_title);
+    return mix(0.25, back, clamp((tall - up) / max(extent.y, 1e-3) + 0.5, 0.0, 1.0));
+}
+
+// Books on boards 0.32 m above each other, between upright boards of 0.03 m at both sides.
+fn books(place: vec2<f32>, extent: vec2<f32>, pixel_m: f32, size: vec2<f32>, seed: u32) -> f32 {
+    let boards = max(floor(size.y / 0.32), 1.0);
+    let spacing = size.y / boards;
+    let board = floor(place.y / spacing);
+    let up = place.y - board * spacing - 0.02;
+    // The nearest beginning of a book, and the books on both sides of it.
+    var nearest = floor(place.x / 0.045 + 0.5);
+    let off = abs(place.x - book_begins(nearest, board, seed));
+    if (abs(place.x - book_begins(nearest - 1.0, board, seed)) < off) {
+        nearest -= 1.0;
+    } else if (abs(place.x - book_begins(nearest + 1.0, board, seed)) < off) {
+        nearest += 1.0;
+    }
+    let share = clamp((place.x - book_begins(nearest, board, seed)) / max(extent.x, 1e-3) + 0.5, 0.0, 1.0);
+    let left = book(nearest - 1.0, board, up, spacing - 0.02, extent, seed);
+    let right = book(nearest, board, up, spacing - 0.02, extent, seed);
+    let shelved = mix(1.0, mix(left, right, share), resolved(pixel_m, 0.045));
+    // Boards are centred on multiples of the spacing, so that the lowest and the highest show half.
+    let level = bands_share(place.y, extent.y, spacing, 0.04);
+    let side = 1.0 - rectangle(place - 0.5 * size, vec2(0.5 * size.x - 0.03, size.y), extent);
+    return mix(shelved, 1.3, max(level, side));
 }
