@@ -144,7 +144,7 @@ impl Known {
             height_px: SIZE_PX[1],
             row_time_s: 0.0,
         };
-        let known = KnownLandmarks { points: &self.points, looks: &self.looks };
+        let known = KnownLandmarks { points: &self.points, looks: &self.looks, views: None };
         PicturedLandmarks::new(camera, &robot, known, Learning::Never, Declared::default())
     }
 }

@@ -4,6 +4,7 @@
 
 mod seen_again;
 mod space_point;
+mod views;
 
 use interval::Interval;
 
@@ -11,6 +12,7 @@ use crate::markers::{Coding, MarkerId};
 
 pub use seen_again::SeenAgain;
 pub use space_point::{Anchor, SpacePoint};
+pub use views::{ViewCamera, ViewPicture, ViewSight, Views};
 
 /// Map of a room and its floor, as surveyed.
 #[derive(Clone, Debug, PartialEq)]

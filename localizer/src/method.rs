@@ -10,7 +10,7 @@ use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::Assumption,
     graph::{Relations, Variable},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, ViewSight, Views},
     markers::{GridPlace, MarkerId},
     motion::{Motion, Twist},
     quota::Quota,
@@ -114,6 +114,12 @@ pub trait Memory {
     /// landmarks that is bounded apart from the others, what it has at which stamps. `_shown` are the stamps, with boxes of the poses there.
     fn learns_of_together(&self, _shown: &[(f64, PoseBox)]) -> Vec<Vec<(f64, Arc<dyn Relations>)>> {
         Vec::new()
+    }
+
+    /// Pictures of the drive, and where they show landmarks in space, with those that came with a map; `None` for a method that does not keep the drive.
+    /// `_shown` are the stamps of key frames, with boxes of the poses there.
+    fn views(&self, _shown: &[(f64, PoseBox)]) -> Option<Views> {
+        None
     }
 
     /// Landmarks that have been learnt: code, and box of world x and y.
@@ -258,6 +264,8 @@ pub enum Claim {
         at_px: [f64; 2],
         /// Greatest error of the image point along u and along v.
         half_width_px: [f64; 2],
+        /// Where a picture of the drive that taught the map is claimed to show the same point.
+        view: Option<ViewSight>,
     },
     /// A claim that an upright edge of a mapped wall was seen: at least one of the given image lines is, within its bound, the image of at least one
     /// of the given edges of the map, where that truly stands.

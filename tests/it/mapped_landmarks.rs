@@ -160,12 +160,35 @@ fn short_map() -> &'static str {
     MAP.get_or_init(|| taught("room_taught", 12.0)).to_str().unwrap()
 }
 
+/// Checks that the optical axis truly turned from picture to picture as the map says that the teacher did.
+fn turns_between_pictures_are_true(map: &Value) {
+    let pictures = map["pictures"].as_array().unwrap();
+    let azimuth_rad = |picture: &Value| {
+        let [i, j, k, w] = [0, 1, 2, 3].map(|part| picture["truly"]["turned"][part].as_f64().unwrap());
+        // The third axis of the camera, turned by the quaternion.
+        (2.0 * (j * k - i * w)).atan2(2.0 * (i * k + j * w))
+    };
+    let mut n_turns = 0;
+    for picture in pictures {
+        for turn in picture["turned_since"].as_array().into_iter().flatten() {
+            let [least, greatest] = [1, 2].map(|part| turn[part].as_f64().unwrap());
+            let truly = azimuth_rad(picture) - azimuth_rad(&pictures[turn[0].as_u64().unwrap() as usize]);
+            let off = (truly - 0.5 * (least + greatest)).sin().abs();
+            // The body's lean turns the axis by less than a tenth of a milliradian.
+            assert!(off <= 0.5 * (greatest - least) + 1e-4, "{off} {least} {greatest}");
+            n_turns += 1;
+        }
+    }
+    assert!(pictures.len() > 5 && n_turns > pictures.len(), "{} {n_turns}", pictures.len());
+}
+
 #[test]
 fn a_map_of_landmarks_in_pictures_guides_a_robot_that_has_nothing_but_a_camera_that_looks_ahead() {
     let place = folder("pictures_taught_and_repeated");
     write_scene(&place, "room_repeat", 5.0);
     let map: Value = serde_json::from_str(&fs::read_to_string(short_map()).unwrap()).unwrap();
-    assert_eq!(map["version"], 3);
+    assert_eq!(map["version"], 4);
+    turns_between_pictures_are_true(&map);
     let repeat = |out: &str, more: &[&str]| {
         let arguments = ["repeat", "room_repeat.toml", "--map", short_map(), "--seed", "7", "--out", out];
         outcome(&mut wherein(&place, &[&arguments[..], more].concat()))
@@ -253,7 +276,7 @@ fn maps_and_scenes_that_do_not_fit_are_refused_with_exit_code_2() {
     fs::write(place.join("bad.json"), &map[..map.len() / 2]).unwrap();
     refused(&["repeat", "repeat.toml", "--map", "bad.json"], &["bad.json", "expected JSON"]);
     fs::write(place.join("bad.json"), map.replacen("\"version\": 1", "\"version\": 7", 1)).unwrap();
-    refused(&["repeat", "repeat.toml", "--map", "bad.json"], &["bad.json", "`version` is 7", "at most 3"]);
+    refused(&["repeat", "repeat.toml", "--map", "bad.json"], &["bad.json", "`version` is 7", "at most 4"]);
     let elsewhere = ["repeat", "repeat.toml", "--map", "map.json", "--set", "room.depth_m=9"];
     refused(&elsewhere, &["localizer.mapped_landmarks.map", "map.json is of a room of [12.0, 8.0] m", "[12.0, 9.0] m"]);
     let keys = "robot.point_camera.least_depth_m=50";

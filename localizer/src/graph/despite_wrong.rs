@@ -82,6 +82,12 @@ impl DespiteWrong {
 
     /// Bounds of linear functions c·(x, y, heading) of the pose, in the order of the coefficients given. `None` where no pose satisfies the rows.
     pub(crate) fn bounds(&self, functions: &[[f64; 3]]) -> Option<Vec<Interval>> {
+        let of_pose = |c: &[f64; 3]| (0..3).map(|axis| (Variable::Pose(FRAME, axis), c[axis])).collect();
+        self.bounds_of_all(&functions.iter().map(of_pose).collect::<Vec<_>>())
+    }
+
+    /// Bounds of linear functions of the pose and of other quantities of the items, in the order given. `None` where nothing satisfies the rows.
+    pub(crate) fn bounds_of_all(&self, functions: &[Vec<(Variable, f64)>]) -> Option<Vec<Interval>> {
         let mut hull: Option<Vec<Interval>> = None;
         for program in &self.programs {
             let Some(bounds) = self.bounds_of(program, functions) else { continue };
@@ -93,22 +99,22 @@ impl DespiteWrong {
         hull
     }
 
-    fn bounds_of(&self, program: &LinearProgram, functions: &[[f64; 3]]) -> Option<Vec<Interval>> {
+    fn bounds_of(&self, program: &LinearProgram, functions: &[Vec<(Variable, f64)>]) -> Option<Vec<Interval>> {
         let mut solver = Solver::new(program);
-        let bound = |function: &[f64; 3]| {
-            let terms: Vec<(usize, f64)> = (0..3)
-                .filter(|&axis| function[axis] != 0.0)
-                .filter_map(|axis| {
-                    let at = self.variables.iter().position(|one| *one == Variable::Pose(FRAME, axis))?;
-                    Some((at, function[axis]))
-                })
-                .collect();
+        let bound = |function: &Vec<(Variable, f64)>| {
+            let named = function.iter().filter(|(_, a)| *a != 0.0);
+            let index = |&(variable, a): &(Variable, f64)| Some((self.variables.binary_search(&variable).ok()?, a));
+            // A quantity that no item names is within its interval.
+            let (terms, unnamed): (Vec<_>, Vec<_>) = named.partition(|one| index(one).is_some());
+            let terms: Vec<(usize, f64)> = terms.into_iter().filter_map(index).collect();
+            let rest = unnamed.into_iter().map(|&(variable, a)| self.domain.value(variable) * a);
+            let rest = rest.fold(Interval::ZERO, |sum, part| sum + part);
             let negative: Vec<(usize, f64)> = terms.iter().map(|&(at, c)| (at, -c)).collect();
             let least = certified_minimum(program, &terms, &solver.minimise(&terms));
             let greatest = certified_maximum(program, &terms, &solver.minimise(&negative));
-            let reference = (0..3).fold(Interval::ZERO, |sum, axis| {
-                sum + Interval::point(self.domain.reference(Variable::Pose(FRAME, axis))) * function[axis]
-            });
+            let reference = terms
+                .iter()
+                .fold(rest, |sum, &(at, a)| sum + Interval::point(self.domain.reference(self.variables[at])) * a);
             (least <= greatest).then(|| reference + Interval::new(least, greatest))
         };
         functions.iter().map(bound).collect()
@@ -152,6 +158,7 @@ fn domain_of(pose: &PoseBox, items: &[&dyn Relations]) -> Option<Domain> {
 
 /// The rows of an item without the quantities that are its own, and the combination of two of them in which the one drops out that makes most of both.
 fn without_own(rows: Vec<Row>, domain: &Domain) -> Vec<Row> {
+    let rows = if rows.len() > 2 { with_view(&rows, domain) } else { rows };
     let is_own = |variable: Variable| matches!(variable, Variable::Point(..) | Variable::Landmark(..));
     let share = |row: &Row, variable| (row.coefficient(variable) * domain.value(variable).radius()).abs();
     let values: Vec<Row> = rows.iter().map(|row| row.in_values(domain)).collect();
@@ -169,16 +176,41 @@ fn without_own(rows: Vec<Row>, domain: &Domain) -> Vec<Row> {
     left.into_iter().map(|row| row.about(domain)).collect()
 }
 
+/// Two rows of a picture and two of another picture of the same point: the first two with such multiples of the others that both slopes of the point drop
+/// out, which leave its depth.
+fn with_view(rows: &[Row], domain: &Domain) -> Vec<Row> {
+    let [.., first, second] = rows else { return rows.to_vec() };
+    let slopes: Vec<Variable> = rows.iter().flat_map(|row| &row.terms).map(|&(variable, _)| variable).collect();
+    let slope = |k: usize| slopes.iter().copied().find(|one| matches!(one, Variable::Point(_, of) if *of == k));
+    let (Some(alpha), Some(beta)) = (slope(0), slope(1)) else { return rows[..2].to_vec() };
+    let a = [first, second].map(|row| [alpha, beta].map(|one| row.coefficient(one)));
+    let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    let values: Vec<Row> = rows.iter().map(|row| row.in_values(domain)).collect();
+    let combined = |row: &Row| {
+        let b = [alpha, beta].map(|one| row.coefficient(one));
+        let by_first = (b[1] * a[1][0] - b[0] * a[1][1]) / determinant;
+        let by_second = (b[0] * a[0][1] - b[1] * a[0][0]) / determinant;
+        let is_told = by_first.is_finite() && by_second.is_finite();
+        is_told.then(|| {
+            let parts = [(1.0, row), (by_first, &values[2]), (by_second, &values[3])];
+            Row::sum(&parts, |one| one == alpha || one == beta, domain).about(domain)
+        })
+    };
+    let left: Option<Vec<Row>> = values[..2].iter().map(combined).collect();
+    left.unwrap_or_else(|| rows[..2].to_vec())
+}
+
 /// Values of a row's left side over the domain.
 fn range(row: &Row, domain: &Domain) -> Interval {
     let parts = row.terms.iter().map(|&(variable, a)| domain.deviation(variable) * a);
     parts.fold(Interval::ZERO, |sum, part| sum + part)
 }
 
-/// What a row says of the pose if all other quantities are enclosed.
+/// What a row says of the pose if all other quantities are enclosed but those of the pose of a view, relative to which it tells most.
 fn of_pose(row: &Row, domain: &Domain) -> ([f64; 3], f64) {
     let coefficients = [0, 1, 2].map(|axis| row.coefficient(Variable::Pose(FRAME, axis)));
-    let others = row.terms.iter().filter(|(variable, _)| !matches!(variable, Variable::Pose(..)));
+    let others =
+        row.terms.iter().filter(|(variable, _)| !matches!(variable, Variable::Pose(..) | Variable::ViewPose(..)));
     let rest: f64 = others.map(|&(variable, a)| a.abs() * domain.deviation(variable).magnitude()).sum();
     (coefficients, row.sides.radius() + rest)
 }

@@ -29,6 +29,11 @@ pub enum Variable {
     Landmark(LandmarkId, usize),
     /// Coordinate of a landmark in space as seen from its anchor, in homogeneous form: the two slopes of its ray (0 and 1) and its inverse depth (2).
     Point(LandmarkId, usize),
+    /// Coordinate of the pose from which a picture of the drive that taught a map was taken, given by the picture's place among those of the map: x (0),
+    /// y (1) or heading (2).
+    ViewPose(usize, usize),
+    /// Constant of the camera of a drive that taught a map, given by the drive's place among those drives, and by the constant as one of this robot's.
+    ViewConstant(usize, Constant),
     /// Distance of a ceiling marker from its place on the map, along world x (0) or y (1).
     Marker(MarkerId, usize),
     /// Height of a ceiling marker above the floor.

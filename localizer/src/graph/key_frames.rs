@@ -106,6 +106,11 @@ impl KeyFrames {
         self.frames.iter().map(|frame| (frame.stamp_s, frame.pose))
     }
 
+    /// Numbers and stamps of all key frames.
+    pub fn stamps(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.frames.iter().map(|frame| (frame.number, frame.stamp_s))
+    }
+
     /// So many key frames, from that with the given place among all on, without what came before.
     pub fn window(&self, first: usize, n_frames: usize) -> KeyFrames {
         let mut frames: VecDeque<KeyFrame> = self.frames.iter().skip(first).take(n_frames).cloned().collect();
@@ -202,6 +207,11 @@ impl KeyFrames {
     /// Stamp of the latest key frame that has a reading of a source.
     pub fn latest_of_s(&self, source: &str) -> Option<f64> {
         self.frames.iter().rev().find(|frame| frame.has(source)).map(|frame| frame.stamp_s)
+    }
+
+    /// Box of the pose at the latest key frame that has a reading of a source.
+    pub fn latest_of(&self, source: &str) -> Option<PoseBox> {
+        self.frames.iter().rev().find(|frame| frame.has(source)).map(|frame| frame.pose)
     }
 
     /// Says which reading makes the box of the latest key frame's pose.

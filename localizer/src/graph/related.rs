@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use interval::linear_program::{LinearProgram, ProgramError};
+use interval::{
+    Interval,
+    linear_program::{LinearProgram, ProgramError, Solver, certified_maximum, certified_minimum},
+};
 
 use crate::bounds::Assumption;
 
@@ -100,6 +103,19 @@ impl Related {
         Ok(Related { program, variables, domain, rows: labels, boxes, made_by })
     }
 
+    /// Bounds of a linear function of quantities, by a solver of this program; `None` where the program does not have one of the quantities, and
+    /// where its rows contradict each other.
+    pub fn bounds_of(&self, solver: &mut Solver, function: &[(Variable, f64)]) -> Option<Interval> {
+        let index = |&(variable, a): &(Variable, f64)| Some((self.index(variable)?, a));
+        let terms: Vec<(usize, f64)> = function.iter().map(index).collect::<Option<_>>()?;
+        let negative: Vec<(usize, f64)> = terms.iter().map(|&(at, a)| (at, -a)).collect();
+        let least = certified_minimum(&self.program, &terms, &solver.minimise(&terms));
+        let greatest = certified_maximum(&self.program, &terms, &solver.minimise(&negative));
+        let parts = function.iter().map(|&(variable, a)| Interval::point(self.domain.reference(variable)) * a);
+        let reference = parts.fold(Interval::ZERO, |sum, part| sum + part);
+        (least <= greatest).then(|| reference + Interval::new(least, greatest))
+    }
+
     /// Index of a quantity among the program's variables.
     pub fn index(&self, variable: Variable) -> Option<usize> {
         self.variables.iter().position(|&one| one == variable)
@@ -132,7 +148,15 @@ fn makers(variable: Variable, label: Option<&BoxLabel>) -> Vec<Suspect> {
             let earlier = (!label.is_alone).then_some(Suspect::Earlier);
             earlier.into_iter().chain([Suspect::Bound(label.bound)]).collect()
         }
-        (Variable::Pose(..) | Variable::Landmark(..) | Variable::Point(..), None, None) => vec![Suspect::Earlier],
+        (
+            Variable::Pose(..)
+            | Variable::Landmark(..)
+            | Variable::Point(..)
+            | Variable::ViewPose(..)
+            | Variable::ViewConstant(..),
+            None,
+            None,
+        ) => vec![Suspect::Earlier],
         _ => Vec::new(),
     }
 }

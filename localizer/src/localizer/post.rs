@@ -9,12 +9,12 @@
 
 use std::sync::Arc;
 
-use interval::Interval;
+use interval::{Interval, linear_program::Solver};
 
 use crate::{
     PoseBox, PoseUnion,
     graph::{Hull, KeyFrames, Relations, Variable},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, ViewPicture, Views},
     reading::LandmarkId,
     vision::point_features::Landmark,
 };
@@ -28,6 +28,9 @@ const WINDOW: usize = 24;
 const PASSES: usize = 3;
 /// Number of passes over the drive in which landmarks in pictures are bounded.
 const LEARNING_PASSES: usize = 2;
+
+/// Number of earlier pictures to each of which a map keeps the turn.
+const MOST_TURNS: usize = 8;
 
 /// Poses of a drive, by what was read after them as well as before.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +73,45 @@ impl Localizer {
             self.learn_of_drive();
         }
         self.methods.iter().filter_map(|method| method.memory()).flat_map(|memory| memory.space_points()).collect()
+    }
+
+    /// Pictures of the drive so far with the places in them of landmarks in space, where a method keeps the drive. To be asked for after
+    /// [`Localizer::space_points`], by which the poses are bounded.
+    pub fn views(&self) -> Option<Views> {
+        let shown: Vec<(f64, PoseBox)> = self.graph.frames.poses().collect();
+        let mut views = self.methods.iter().filter_map(|method| method.memory()?.views(&shown)).next()?;
+        self.bound_turns(&mut views);
+        Some(views)
+    }
+
+    /// Bounds the turns from picture to picture of this drive's views.
+    fn bound_turns(&self, views: &mut Views) {
+        let camera = views.cameras.len() - 1;
+        for first in self.firsts(WINDOW) {
+            let frames = self.graph.frames.window(first, WINDOW);
+            let Ok(related) = frames.related(&self.landmarks()) else { continue };
+            let mut solver = Solver::new(&related.program);
+            let mut shown: Vec<(usize, usize, f64)> = Vec::new();
+            for (frame, stamp_s) in frames.stamps() {
+                let is_it = |picture: &ViewPicture| picture.camera == camera && picture.stamp_s == stamp_s;
+                let Some(here) = views.pictures.iter().position(is_it) else { continue };
+                let known = related.domain.value(Variable::Pose(frame, 2));
+                // The heading that the picture shows may differ from that at its stamp.
+                let stray_rad = 0.5 * (views.pictures[here].pose[2].width() - known.width()).max(0.0);
+                for &(there, earlier, earlier_rad) in shown.iter().rev().take(MOST_TURNS) {
+                    let function = [(Variable::Pose(frame, 2), 1.0), (Variable::Pose(earlier, 2), -1.0)];
+                    let Some(turn) = related.bounds_of(&mut solver, &function) else { continue };
+                    let turn = turn.inflate(stray_rad + earlier_rad);
+                    let turns = &mut views.pictures[here].turned_since;
+                    match turns.iter_mut().find(|(since, _)| *since == there) {
+                        Some((_, bound)) => *bound = bound.intersect(turn),
+                        None => turns.push((there, turn)),
+                    }
+                }
+                shown.push((here, frame, stray_rad));
+            }
+        }
+        views.pictures.iter_mut().for_each(|picture| picture.turned_since.sort_by_key(|(since, _)| *since));
     }
 
     /// How often the landmarks of a map in space that were looked for were found on this drive.

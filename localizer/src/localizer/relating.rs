@@ -11,6 +11,7 @@ use interval::{Interval, IntervalBox};
 use crate::{
     PoseBox, PoseUnion, RobotModel,
     graph::{FrameReading, Hull, KeyFrames, Related, Relations, Stray, Unlinked, Variable, Ways, WidthParts},
+    method::Method,
 };
 
 use super::{Localizer, naming::Intersected, ring::Slot};
@@ -20,6 +21,10 @@ const PERIOD_S: f64 = 1.0;
 /// Least time from a key frame with a reading that relates something to one without. Readings of the motion are remembered for 3 s, within which both
 /// the next key frame and its readings have to arrive.
 const LONGEST_S: f64 = 1.6;
+/// Distance in metres and turn in radians after which a reading from which landmarks are learnt becomes a key frame, however soon: what is near the robot
+/// passes by within a metre or two.
+const FAR_M: f64 = 0.4;
+const FAR_RAD: f64 = 0.2;
 /// Least time between two stamps that are not the same.
 const SLACK_S: f64 = 1e-6;
 /// Widest heading of a key frame: what is not linear in the rows grows with the square of it.
@@ -78,14 +83,14 @@ impl Graph {
     /// Whether a stamp becomes a key frame. A reading that relates something waits for some time after the latest one of its source, unless no such
     /// reading stands at the latest key frame; a reading of the map, whose rows tell little more than its box of the pose, waits for as long after any
     /// other. A stamp without such a reading waits longer where one may follow soon.
-    fn is_due(&self, stamp_s: f64, reading: Option<&FrameReading>) -> bool {
+    fn is_due(&self, stamp_s: f64, reading: Option<&FrameReading>, is_far: bool) -> bool {
         let Some(latest_s) = self.frames.latest_s() else { return true };
         let is_past = |from_s: f64, wait_s: f64| stamp_s >= from_s + wait_s - 0.5 * SLACK_S;
         match (reading, self.frames.latest_relates()) {
             (Some(reading), true) if reading.relations.is_of_the_map() => is_past(latest_s, PERIOD_S),
             (Some(reading), true) => {
                 let was_read_s = self.frames.latest_of_s(reading.source);
-                is_past(latest_s, SLACK_S) && was_read_s.is_none_or(|read_s| is_past(read_s, PERIOD_S))
+                is_past(latest_s, SLACK_S) && (is_far || was_read_s.is_none_or(|read_s| is_past(read_s, PERIOD_S)))
             }
             (Some(_), false) => is_past(latest_s, SLACK_S),
             (None, true) => is_past(latest_s, LONGEST_S),
@@ -140,7 +145,8 @@ impl Localizer {
             let stray = Stray::by_reach(relations.stamp_error_s(), &self.robot.reach);
             FrameReading::new(source, relations, stray)
         });
-        if self.graph.is_due(stamp_s, reading.as_ref()) {
+        let is_far = reading.as_ref().is_some_and(|reading| self.is_far(reading.source, &pose));
+        if self.graph.is_due(stamp_s, reading.as_ref(), is_far) {
             self.graph.frames.push(stamp_s, pose, reading);
             self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
             self.graph.await_readings();
@@ -149,6 +155,15 @@ impl Localizer {
         {
             self.relate_late(stamp_s, pose, reading);
         }
+    }
+
+    /// Whether a method that keeps the drive, in order to learn from it, reads from a place far from that of its latest key frame.
+    fn is_far(&self, source: &str, pose: &PoseBox) -> bool {
+        let keeps_drive = |method: &dyn Method| method.memory().is_some_and(|memory| memory.keeps_drive());
+        let learns = self.methods.iter().any(|method| method.name() == source && keeps_drive(&**method));
+        let Some(last) = self.graph.frames.latest_of(source).filter(|_| learns) else { return false };
+        let [x_m, y_m, turned_rad] = [0, 1, 2].map(|axis| pose[axis].mid() - last[axis].mid());
+        x_m.hypot(y_m) >= FAR_M || turned_rad.abs() >= FAR_RAD
     }
 
     /// Keeps a late reading as a key frame between two others where there is room for it. Then the latest pose is bounded anew with it.

@@ -30,6 +30,9 @@ mod pose_rows;
 mod ray;
 mod relate;
 mod seen_again;
+mod spread;
+mod telling;
+mod view;
 mod whereabouts;
 mod whole_drive;
 

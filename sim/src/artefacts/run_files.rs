@@ -24,7 +24,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use localizer::Estimate;
+use localizer::{Estimate, map::Views, reading::Camera};
 use serde_json::Value;
 
 use crate::{
@@ -32,11 +32,12 @@ use crate::{
         debug_frames::{self, Reel},
         recording::Recording,
     },
+    devices::camera::world_from_camera,
     judge::Verdict,
     loading::SceneFile,
     place::landmark_map,
-    run::RunRecord,
-    scene::{LandmarkMap, Scene},
+    run::{ImageRecord, RunRecord},
+    scene::{LandmarkMap, Scene, TrueEye},
 };
 
 mod errands;
@@ -240,7 +241,29 @@ fn learnt_map(scene: &Scene, record: &RunRecord) -> Option<LandmarkMap> {
     relies_on.extend(earlier.into_iter().filter(|bound| !relied.contains(&bound.as_str())));
     let room_m = [scene.room.width_m, scene.room.depth_m];
     let looks = record.looks.clone();
-    (!landmarks.is_empty()).then_some(LandmarkMap { room_m, relies_on, landmarks, looks })
+    let views = record.views.clone().unwrap_or_default();
+    let true_eyes = true_eyes(scene, record, &views).unwrap_or_default();
+    (!landmarks.is_empty()).then_some(LandmarkMap { room_m, relies_on, landmarks, looks, views, true_eyes })
+}
+
+/// The cameras that truly took the pictures of a run's views, and those of the map that it was given; `None` where one of them is not known.
+fn true_eyes(scene: &Scene, record: &RunRecord, views: &Views) -> Option<Vec<TrueEye>> {
+    let given = scene.localizer.mapped_landmarks().known;
+    let (n_given, mut eyes) = given.map_or((0, Vec::new()), |map| (map.views.pictures.len(), map.true_eyes));
+    if eyes.len() != n_given {
+        return None;
+    }
+    let drawn = record.drawn.devices.forward_camera.as_ref()?;
+    for picture in views.pictures.iter().skip(eyes.len()) {
+        let is_it = |image: &&ImageRecord| image.camera == Some(Camera::Forward) && image.measured_s == picture.stamp_s;
+        let image = record.images.iter().find(is_it)?;
+        eyes.push(TrueEye {
+            world_from_camera: world_from_camera(&image.truth, drawn),
+            focal_px: drawn.focal_px[0],
+            centre_px: drawn.principal_point_px,
+        });
+    }
+    Some(eyes)
 }
 
 /// Puts the folder `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder under another name.

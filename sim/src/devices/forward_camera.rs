@@ -49,6 +49,7 @@ impl Device for ForwardCamera {
             let known = setup.known.as_ref().map_or_else(KnownLandmarks::default, |map| KnownLandmarks {
                 points: &map.landmarks,
                 looks: &map.looks,
+                views: Some(&map.views),
             });
             let camera = robot.forward_camera?;
             return Some(Box::new(PicturedLandmarks::new(camera, robot, known, learning, declared)));

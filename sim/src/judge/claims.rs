@@ -56,8 +56,9 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
         Claim::WallPoint { bearing_rad, distance_m, within_m } => {
             wall_distance_m([*bearing_rad, *distance_m], scene, drawn, truth).is_some_and(|at_m| at_m <= *within_m)
         }
-        Claim::SpacePoint { point, at_px, half_width_px, .. } => {
-            space_points::is_seen(point, *at_px, *half_width_px, scene, drawn, truth).unwrap_or(false)
+        Claim::SpacePoint { point, at_px, half_width_px, view, .. } => {
+            let seen = (*at_px, *half_width_px);
+            space_points::is_seen(point, view.as_ref(), seen, scene, drawn, truth).unwrap_or(false)
         }
         Claim::WallUpright { lines, posts_m } => lines.iter().any(|(ends_px, bound_px)| {
             let shows = |post_m: &[f64; 2]| shows_post(*ends_px, *bound_px, *post_m, scene, drawn, truth);

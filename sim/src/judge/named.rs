@@ -66,8 +66,8 @@ impl NamedClaim {
                 let places: Vec<[f64; 2]> = dots_px.iter().map(|(_, [u, v, _])| [*u, *v]).collect();
                 in_picture(&format!("marker {}", marker.0), &places)
             }
-            Claim::SpacePoint { landmark, point, at_px, .. } => NamedClaim {
-                off_px: space_points::off_px(point, *at_px, scene, drawn, truth),
+            Claim::SpacePoint { landmark, point, at_px, view, .. } => NamedClaim {
+                off_px: space_points::off_px(point, view.as_ref(), *at_px, scene, drawn, truth),
                 ..in_picture(&format!("landmark {}", landmark.0), &[*at_px])
             },
             Claim::Landmark { landmark, .. } => {
@@ -134,7 +134,7 @@ mod tests {
         let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
         let value = [0.0, 0.0, 0.5].map(|at| Interval::centred(at, 1e-9));
         let (landmark, point) = (LandmarkId(number), SpacePoint { anchor, value });
-        Claim::SpacePoint { landmark, point, at_px: [319.5 + off_px, 239.5], half_width_px: [0.5; 2] }
+        Claim::SpacePoint { landmark, point, at_px: [319.5 + off_px, 239.5], half_width_px: [0.5; 2], view: None }
     }
 
     /// A run of one second at rest, with a picture every tenth of a second that has two claims, and boxes that hold the truth until 0.5 s.

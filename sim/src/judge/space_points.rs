@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use localizer::map::SpacePoint;
+use localizer::map::{SpacePoint, ViewSight};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{
@@ -35,10 +35,12 @@ struct Half {
 /// point, times ρ, is d(α, β) + ρ·(A − C), which is linear in the three. The pixels within the half widths are a cone of four planes through the
 /// optical centre: those planes and the sides of the box are half-spaces of (α, β, ρ), and the claim holds if they have a point in common. If they
 /// have, then also a corner, which is on three of the planes.
+///
+/// Where a picture of the drive that taught the map is claimed to show the same point, the point in common has to be in the cone of that picture, too.
 pub(super) fn is_seen(
     point: &SpacePoint,
-    at_px: [f64; 2],
-    half_width_px: [f64; 2],
+    view: Option<&ViewSight>,
+    (at_px, half_width_px): ([f64; 2], [f64; 2]),
     scene: &Scene,
     drawn: &Drawn,
     truth: &Truth,
@@ -50,16 +52,15 @@ pub(super) fn is_seen(
         Some(world_from_camera.rotation * Vector3::new(x, y, 1.0))
     };
     let corners = [ray([-1.0, -1.0])?, ray([1.0, -1.0])?, ray([1.0, 1.0])?, ray([-1.0, 1.0])?];
-    let middle = ray([0.0, 0.0])?;
-    let anchor = &point.anchor;
-    let from_eye = Point3::from(anchor.from_m) - world_from_camera * Point3::origin();
-    let [i, j] = anchor.sides();
-    let mut halves = Vec::new();
-    for (k, corner) in corners.iter().enumerate() {
-        let across = corner.cross(&corners[(k + 1) % 4]);
-        let inward = across.normalize() * across.dot(&middle).signum();
-        let slopes = Vector3::new(inward[i], inward[j], inward.dot(&from_eye));
-        halves.push(Half { slopes, least: -inward[anchor.axis] * anchor.sign() });
+    let mut halves = cone(corners, ray([0.0, 0.0])?, world_from_camera * Point3::origin(), point);
+    if let Some((view, eye)) = view.and_then(|view| Some((view, scene.localizer.true_eye(view.picture)?))) {
+        let ray = |[du, dv]: [f64; 2]| {
+            let [x, y] = [(0, du), (1, dv)]
+                .map(|(axis, d)| (view.at_px[axis] + d * view.error_px[axis] - eye.centre_px[axis]) / eye.focal_px);
+            eye.world_from_camera.rotation * Vector3::new(x, y, 1.0)
+        };
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(ray);
+        halves.extend(cone(corners, ray([0.0, 0.0]), eye.world_from_camera * Point3::origin(), point));
     }
     for (k, value) in point.value.iter().enumerate() {
         let along = Vector3::ith(k, 1.0);
@@ -69,6 +70,20 @@ pub(super) fn is_seen(
     Some(have_common_point(&halves))
 }
 
+/// The half-spaces of a cone with given corners and middle, from an eye.
+fn cone(corners: [Vector3<f64>; 4], middle: Vector3<f64>, eye: Point3<f64>, point: &SpacePoint) -> Vec<Half> {
+    let anchor = &point.anchor;
+    let from_eye = Point3::from(anchor.from_m) - eye;
+    let [i, j] = anchor.sides();
+    let side = |k: usize| {
+        let across = corners[k].cross(&corners[(k + 1) % 4]);
+        let inward = across.normalize() * across.dot(&middle).signum();
+        let slopes = Vector3::new(inward[i], inward[j], inward.dot(&from_eye));
+        Half { slopes, least: -inward[anchor.axis] * anchor.sign() }
+    };
+    (0..4).map(side).collect()
+}
+
 /// Greatest distance in the picture, in pixels, that is measured: beyond it a landmark is not where the camera looks.
 const FARTHEST_PX: f64 = 4096.0;
 /// Difference, in pixels, to which a distance is measured.
@@ -76,8 +91,15 @@ const FINEST_PX: f64 = 0.01;
 
 /// How far, along u or along v, a pixel is from the nearest one at which the true forward camera shows some point of a landmark's box: the half width
 /// of the least square about the pixel in which one is seen. `None` where the camera shows none, or there is no such camera.
-pub(super) fn off_px(point: &SpacePoint, at_px: [f64; 2], scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<f64> {
-    let is_within = |half_px: f64| is_seen(point, at_px, [half_px; 2], scene, drawn, truth) == Some(true);
+pub(super) fn off_px(
+    point: &SpacePoint,
+    view: Option<&ViewSight>,
+    at_px: [f64; 2],
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<f64> {
+    let is_within = |half_px: f64| is_seen(point, view, (at_px, [half_px; 2]), scene, drawn, truth) == Some(true);
     let doubled = std::iter::successors(Some(1.0), |half_px| Some(2.0 * half_px));
     let mut far_px = doubled.take_while(|half_px| *half_px <= FARTHEST_PX).find(|half_px| is_within(*half_px))?;
     let mut near_px = 0.0;
@@ -98,7 +120,7 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     let (mut n_matches, mut n_wrong) = ([0; 2], [0; 2]);
     for (picture, truth) in pictures {
         for (point, at_px, agrees) in &picture.matches {
-            let is_wrong = is_seen(point, *at_px, CORNER_PX, scene, &record.drawn, truth) == Some(false);
+            let is_wrong = is_seen(point, None, (*at_px, CORNER_PX), scene, &record.drawn, truth) == Some(false);
             for kind in 0..=usize::from(*agrees) {
                 n_matches[kind] += 1;
                 n_wrong[kind] += usize::from(is_wrong);
@@ -137,6 +159,7 @@ pub(super) mod tests {
     use localizer::map::Anchor;
 
     use super::*;
+    use crate::scene::{LandmarkMap, TrueEye};
 
     /// A robot at the origin that looks along x with a camera of 400 px focal length, 0.3 m above the floor and level.
     pub(in super::super) fn scene() -> Scene {
@@ -171,23 +194,24 @@ pub(super) mod tests {
         // From (0, 0, 0.3) the landmark is 2 m ahead, 0.2 m to the left and 0.1 m up: 400 px · 0.1 to the left, and 400 px · 0.05 up.
         let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
         let point = |half: f64| SpacePoint { anchor, value: [0.1, 0.05, 0.5].map(|at| Interval::centred(at, half)) };
-        let seen =
-            |half: f64, at_px: [f64; 2]| is_seen(&point(half), at_px, [0.5, 0.5], &scene, &drawn, &truth).unwrap();
+        let seen = |half: f64, at_px: [f64; 2]| {
+            is_seen(&point(half), None, (at_px, [0.5, 0.5]), &scene, &drawn, &truth).unwrap()
+        };
         let middle = [319.5 - 40.0, 239.5 - 20.0];
         assert!(seen(1e-9, middle) && seen(1e-9, [middle[0] + 0.49, middle[1] - 0.49]));
         assert!(!seen(1e-9, [middle[0] + 0.51, middle[1]]) && !seen(1e-9, [middle[0], middle[1] - 0.51]));
         // A slope that is known to 0.01 moves it by 4 px at most.
         assert!(seen(0.01, [middle[0] + 4.4, middle[1]]) && !seen(0.01, [middle[0] + 4.6, middle[1]]));
         // How far off a pixel is that does not show it, along the axis on which it is farther off.
-        let off = |half: f64, at_px: [f64; 2]| off_px(&point(half), at_px, &scene, &drawn, &truth).unwrap();
+        let off = |half: f64, at_px: [f64; 2]| off_px(&point(half), None, at_px, &scene, &drawn, &truth).unwrap();
         assert!((off(1e-9, [middle[0] + 23.0, middle[1] - 7.0]) - 23.0).abs() < 0.02, "23 px");
         assert!((off(0.01, [middle[0] - 23.0, middle[1]]) - 19.0).abs() < 0.2, "4 px of them are the box's");
         // What is behind the camera is not seen, though its image would be there.
         let behind =
             SpacePoint { anchor: Anchor { is_positive: false, ..anchor }, value: point(1e-9).value.map(|at| -at) };
         let behind = SpacePoint { value: [behind.value[0], behind.value[1], -behind.value[2]], ..behind };
-        assert_eq!(is_seen(&behind, middle, [0.5, 0.5], &scene, &drawn, &truth), Some(false));
-        assert_eq!(off_px(&behind, middle, &scene, &drawn, &truth), None);
+        assert_eq!(is_seen(&behind, None, (middle, [0.5, 0.5]), &scene, &drawn, &truth), Some(false));
+        assert_eq!(off_px(&behind, None, middle, &scene, &drawn, &truth), None);
     }
 
     #[test]
@@ -199,10 +223,44 @@ pub(super) mod tests {
         truth.pose.y_m = 1.0;
         let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
         let point = |rho: Interval| SpacePoint { anchor, value: [Interval::point(0.1), Interval::point(0.05), rho] };
-        let seen = |rho, at_px| is_seen(&point(rho), at_px, [0.5, 0.5], &scene, &drawn, &truth).unwrap();
+        let seen = |rho, at_px| is_seen(&point(rho), None, (at_px, [0.5, 0.5]), &scene, &drawn, &truth).unwrap();
         let at_px = [319.5 + 160.0, 239.5 - 20.0];
         assert!(seen(Interval::point(0.5), at_px) && !seen(Interval::point(0.51), at_px));
         assert!(seen(Interval::new(0.0, 0.6), at_px) && seen(Interval::new(0.0, 0.6), [319.5 - 40.0, at_px[1]]));
         assert!(!seen(Interval::new(0.0, 0.4), at_px));
+    }
+
+    #[test]
+    fn a_view_of_the_map_has_to_show_the_same_point() {
+        let mut scene = scene();
+        let drawn = Drawn::draw(&scene, 0);
+        let truth = Truth::default();
+        // The teacher's camera was 1 m further left, with a focal length of 200 px and its principal point at (100, 80): the landmark 2 m ahead and 0.2 m to
+        // the left was 0.8 m to its right, 80 px.
+        let mut taught = Truth::default();
+        taught.pose.y_m = 1.0;
+        let world_from_camera = world_from_camera(&taught, drawn.devices.forward_camera.as_ref().unwrap());
+        let eye = TrueEye { world_from_camera, focal_px: 200.0, centre_px: [100.0, 80.0] };
+        let known = LandmarkMap {
+            room_m: [6.0; 2],
+            relies_on: Vec::new(),
+            landmarks: Vec::new(),
+            looks: Vec::new(),
+            views: Default::default(),
+            true_eyes: vec![eye],
+        };
+        scene.localizer.know(known);
+        let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
+        let value = [Interval::point(0.1), Interval::point(0.05), Interval::new(0.0, 1.0)];
+        let point = SpacePoint { anchor, value };
+        let at_px = [319.5 - 40.0, 239.5 - 20.0];
+        let seen = |picture: usize, u_px: f64| {
+            let view = ViewSight { picture, at_px: [u_px, 80.0 - 10.0], error_px: [0.5; 2] };
+            is_seen(&point, Some(&view), (at_px, [0.5; 2]), &scene, &drawn, &truth).unwrap()
+        };
+        assert!(seen(0, 180.0));
+        // At no depth is it there, though the box alone would be seen; and a picture whose camera is not known says nothing.
+        assert!(!seen(0, 300.0) && is_seen(&point, None, (at_px, [0.5; 2]), &scene, &drawn, &truth).unwrap());
+        assert!(seen(1, 300.0));
     }
 }

@@ -112,7 +112,10 @@ fn slope_width(point: &SpacePoint) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use interval::Interval;
-    use localizer::{map::Anchor, reading::LandmarkId};
+    use localizer::{
+        map::{Anchor, Views},
+        reading::LandmarkId,
+    };
 
     use super::*;
 
@@ -167,6 +170,8 @@ mod tests {
             relies_on: Vec::new(),
             landmarks: numbers().zip(wall(n, 0.03, 1e-6)).collect(),
             looks: numbers().zip(looks).collect(),
+            views: Views::default(),
+            true_eyes: Vec::new(),
         };
         for (share, n_pairs) in
             [(0.0, 0), (0.05, (0.05 * n as f64 / 2.0).ceil() as usize), (0.3, (0.3 * n as f64 / 2.0).ceil() as usize)]

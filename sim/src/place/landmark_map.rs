@@ -1,11 +1,13 @@
 //! Maps of landmarks in space as files: JSON with a format name, a version, and a digest of the text that shows damage.
 
+mod views;
+
 use std::{fmt::Write, fs, path::Path};
 
 use base64::{Engine, prelude::BASE64_STANDARD as BASE64};
 use interval::Interval;
 use localizer::{
-    map::{Anchor, SpacePoint},
+    map::{Anchor, SpacePoint, Views},
     reading::LandmarkId,
     vision::point_features::Landmark,
 };
@@ -18,9 +20,11 @@ use super::navigation::map_server::MapError;
 
 /// Name of the format, which every file states.
 const FORMAT: &str = "wherein landmark map";
-/// Latest version of the format: landmarks have looks, with the focal lengths of the cameras that took them. A map is written in the first version
-/// that has all that it tells; otherwise the versions are the same.
-const VERSION: u64 = 3;
+/// Latest version of the format: pictures of the drives that taught the map tell where they show landmarks. A map is written in the first version that
+/// has all that it tells; otherwise the versions are the same.
+const VERSION: u64 = 4;
+/// Version of the format without views: landmarks have looks, with the focal lengths of the cameras that took them.
+const VERSION_WITHOUT_VIEWS: u64 = 3;
 /// Version of the format whose looks have no focal lengths. They are taken to be of a camera like the one that reads the map.
 const VERSION_WITHOUT_FOCAL_LENGTHS: u64 = 2;
 /// Version of the format without looks.
@@ -47,6 +51,11 @@ struct File {
     digest: String,
     room_m: [f64; 2],
     relies_on: Vec<String>,
+    /// The cameras of the drives that taught the map, and their pictures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    cameras: Vec<views::CameraEntry>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pictures: Vec<views::PictureEntry>,
     landmarks: Vec<Entry>,
 }
 
@@ -62,19 +71,24 @@ struct Entry {
     /// How the landmark looks: position, direction, descriptors, grey levels and focal length as bytes in Base64.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     look: Option<String>,
+    /// Where pictures show it, each as five numbers: the picture's place among those of the file, column and row, and the greatest errors of both.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    seen_in: Vec<views::SightEntry>,
 }
 
 /// Names of the axes along which depths are counted.
 const AXES: [(&str, usize, bool); 6] =
     [("+x", 0, true), ("-x", 0, false), ("+y", 1, true), ("-y", 1, false), ("+z", 2, true), ("-z", 2, false)];
 
+/// An interval as it is written.
+fn written(value: Interval) -> [f64; 2] {
+    let wider = value.inflate(ROUNDING * (1.0 + value.magnitude()));
+    [wider.lo(), wider.hi()]
+}
+
 /// The text of a map's file.
 pub fn text(map: &LandmarkMap) -> String {
     let entry = |&(landmark, point): &(LandmarkId, SpacePoint)| {
-        let written = |value: Interval| {
-            let wider = value.inflate(ROUNDING * (1.0 + value.magnitude()));
-            [wider.lo(), wider.hi()]
-        };
         let axis = AXES
             .iter()
             .find(|(_, axis, is_positive)| (*axis, *is_positive) == (point.anchor.axis, point.anchor.is_positive));
@@ -86,6 +100,7 @@ pub fn text(map: &LandmarkMap) -> String {
             slopes: [alpha, beta],
             inverse_depth_per_m: [rho[0].max(0.0), rho[1]],
             look: map.looks.iter().find(|(of, _)| *of == landmark).map(|(_, look)| BASE64.encode(look.to_bytes())),
+            seen_in: views::sights(&map.views, landmark),
         }
     };
     let file = File {
@@ -94,6 +109,8 @@ pub fn text(map: &LandmarkMap) -> String {
         digest: NO_DIGEST.to_owned(),
         room_m: map.room_m,
         relies_on: map.relies_on.clone(),
+        cameras: views::cameras(&map.views),
+        pictures: views::pictures(&map.views, &map.true_eyes),
         landmarks: map.landmarks.iter().map(entry).collect(),
     };
     // The keys are texts and all numbers are finite, so that serialising cannot fail.
@@ -108,6 +125,8 @@ fn version_of(map: &LandmarkMap) -> u64 {
         VERSION_WITHOUT_LOOKS
     } else if map.looks.iter().all(|(_, look)| look.focal_px().is_none()) {
         VERSION_WITHOUT_FOCAL_LENGTHS
+    } else if map.views == Views::default() {
+        VERSION_WITHOUT_VIEWS
     } else {
         VERSION
     }
@@ -147,12 +166,17 @@ fn parse(text: &str) -> Result<LandmarkMap, String> {
         return Err(format!("`landmarks[{at}].number` is out of order, expected each number once, the least first"));
     }
     let looks = looks_of(&file)?;
-    Ok(LandmarkMap { room_m: file.room_m, relies_on: file.relies_on, landmarks, looks })
+    let (views, true_eyes) = views::read(&file)?;
+    Ok(LandmarkMap { room_m: file.room_m, relies_on: file.relies_on, landmarks, looks, views, true_eyes })
+}
+
+/// An interval as it stands in a file.
+fn interval([lo, hi]: [f64; 2]) -> Option<Interval> {
+    (lo <= hi && lo.is_finite() && hi.is_finite()).then(|| Interval::new(lo, hi))
 }
 
 /// The landmark of an entry, or the key that is at fault with what was expected of it.
 fn point_of(entry: &Entry) -> Result<SpacePoint, (&'static str, &'static str)> {
-    let interval = |[lo, hi]: [f64; 2]| (lo <= hi && lo.is_finite() && hi.is_finite()).then(|| Interval::new(lo, hi));
     let &(_, axis, is_positive) =
         AXES.iter().find(|(name, ..)| *name == entry.axis).ok_or(("axis", "one of +x, -x, +y, -y, +z and -z"))?;
     if !entry.anchor_m.iter().all(|at_m| at_m.abs() <= FARTHEST_M) {
@@ -200,9 +224,15 @@ fn digest_of(text: &str) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use image::{GrayImage, Luma};
-    use localizer::vision::point_features::{Frame, ImageBounds};
+    use localizer::{
+        PoseBox,
+        map::{ViewCamera, ViewPicture, ViewSight},
+        vision::point_features::{Frame, ImageBounds},
+    };
+    use nalgebra::{Isometry3, Vector3};
 
     use super::*;
+    use crate::scene::TrueEye;
 
     fn map() -> LandmarkMap {
         let anchor = Anchor { from_m: [1.0, -0.3, 0.4], axis: 1, is_positive: false };
@@ -216,6 +246,8 @@ mod tests {
                 (LandmarkId(9), SpacePoint { anchor: far, value }),
             ],
             looks: Vec::new(),
+            views: Views::default(),
+            true_eyes: Vec::new(),
         }
     }
 
@@ -262,16 +294,101 @@ mod tests {
         }
     }
 
+    /// A map with one picture that shows both landmarks, and a second that shows the second one.
+    fn with_views() -> LandmarkMap {
+        let pair = |middle: f64| Interval::centred(middle, 0.01);
+        let camera = ViewCamera {
+            focal_px: pair(417.0),
+            centre_px: [320.0, 240.0].map(pair),
+            tilt_up_rad: 0.1,
+            yaw_rad: pair(0.0),
+            tilt_rad: 0.001,
+            position_m: [0.1, 0.0].map(pair),
+            height_m: pair(0.6),
+            body_tilt_rad: 0.002,
+            heave_m: 1e-4,
+        };
+        let picture = |stamp_s: f64, turned_since: Vec<(usize, Interval)>| ViewPicture {
+            stamp_s,
+            camera: 0,
+            pose: PoseBox::from([1.0, 2.0, 0.3].map(pair)),
+            turned_since,
+        };
+        let sight = |picture| ViewSight { picture, at_px: [100.25, 1.0 / 3.0], error_px: [0.5, 0.25] };
+        let eye = |x_m: f64| TrueEye {
+            world_from_camera: Isometry3::new(Vector3::new(x_m, 0.2, 0.6), Vector3::new(0.1, -0.2, 0.3)),
+            focal_px: 417.0,
+            centre_px: [320.0, 240.0],
+        };
+        let views = Views {
+            cameras: vec![camera],
+            pictures: vec![picture(1.5, Vec::new()), picture(2.0, vec![(0, pair(0.1))])],
+            sights: vec![(LandmarkId(3), sight(0)), (LandmarkId(9), sight(0)), (LandmarkId(9), sight(1))],
+        };
+        LandmarkMap { views, true_eyes: vec![eye(0.1), eye(0.2)], ..map() }
+    }
+
+    #[test]
+    fn views_come_back_from_a_file_with_the_cameras_that_took_them() {
+        // A map with views has looks, whose version is refused without them; here the places alone are told.
+        let map = with_views();
+        let told = text(&LandmarkMap { views: map.views.clone(), ..map.clone() });
+        let file: File = serde_json::from_str(&told).unwrap();
+        let (views, eyes) = views::read(&File { version: VERSION, ..file }).unwrap();
+        assert_eq!((views.cameras.len(), views.pictures.len(), views.sights.len()), (1, 2, 3));
+        for (eye, back) in map.true_eyes.iter().zip(&eyes) {
+            let off = eye.world_from_camera.inverse() * back.world_from_camera;
+            assert!(off.translation.vector.norm() + off.rotation.angle() < 1e-9 && eye.focal_px == back.focal_px);
+        }
+        for ((landmark, sight), (landmark_back, back)) in map.views.sights.iter().zip(&views.sights) {
+            assert_eq!((landmark, sight.picture), (landmark_back, back.picture));
+            for axis in 0..2 {
+                // An interval of places that holds the former, and is hardly wider.
+                let interval = |sight: &ViewSight| Interval::centred(sight.at_px[axis], sight.error_px[axis]);
+                assert!(
+                    interval(sight).is_subset_of(interval(back)) && back.error_px[axis] < sight.error_px[axis] + 3e-6
+                );
+            }
+        }
+        for (picture, back) in map.views.pictures.iter().zip(&views.pictures) {
+            assert!((0..3).all(|axis| picture.pose[axis].is_subset_of(back.pose[axis])));
+            assert_eq!(picture.turned_since.len(), back.turned_since.len());
+            assert!(
+                picture.turned_since.iter().zip(&back.turned_since).all(|(a, b)| a.0 == b.0 && a.1.is_subset_of(b.1))
+            );
+        }
+    }
+
+    #[test]
+    fn views_that_cannot_be_are_refused_with_their_key() {
+        let told = text(&with_views());
+        let refused = |from: &str, to: &str| {
+            let changed = told.replacen(from, to, 1);
+            assert_ne!(changed, told, "{from}");
+            let file: File = serde_json::from_str(&changed).unwrap();
+            views::read(&File { version: VERSION, ..file }).unwrap_err()
+        };
+        assert!(refused("\"camera\": 0", "\"camera\": 1").contains("`pictures[0].camera`"));
+        assert!(refused("\"tilt_rad\": 0.001", "\"tilt_rad\": -0.001").contains("`cameras[0].tilt_rad`"));
+        assert!(refused("\"tilt_up_rad\": 0.1", "\"tilt_up_rad\": 5.7").contains("`cameras[0].tilt_up_rad`"));
+        assert!(refused("100.25", "-1e9").contains("`landmarks[0].seen_in[0]`"));
+        assert!(refused("1.5,", "1.5, \"turned_since\": [[0, 0.0, 0.1]],").contains("`pictures[0].turned_since`"));
+        // Maps of earlier versions have none.
+        let file: File = serde_json::from_str(&told).unwrap();
+        let refused = views::read(&File { version: VERSION_WITHOUT_VIEWS, ..file }).unwrap_err();
+        assert!(refused.contains("not possible in version 3"), "{refused}");
+    }
+
     #[test]
     fn what_is_no_map_is_refused_with_its_key() {
         let good = text(&map());
-        let of_later = good.replacen("\"version\": 1", "\"version\": 4", 1);
+        let of_later = good.replacen("\"version\": 1", "\"version\": 5", 1);
         let changed = good.replacen("-0.3", "-0.4", 1);
         for (bad, told) in [
             ("", "expected JSON"),
             (&good[..good.len() / 2], "expected JSON"),
             ("{}", "`format` is null"),
-            (&of_later, "`version` is 4, of a later Wherein, expected at most 3"),
+            (&of_later, "`version` is 5, of a later Wherein, expected at most 4"),
             (&changed, "`digest` is not that of the text"),
         ] {
             let refused = parse(bad).unwrap_err();

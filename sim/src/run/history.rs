@@ -7,7 +7,7 @@ use localizer::{
     Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     bounds::Assumption,
     localizer::{Contradiction, PoseWidth, PostLocalized},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, Views},
     quota::Quota,
     reading::{Camera, LandmarkId},
     vision::point_features::Landmark,
@@ -61,6 +61,8 @@ pub struct RunRecord {
     pub seen_again: Vec<SeenAgain>,
     /// How the landmarks in space look that the localizer knew by their looks at the end, in the order of their numbers.
     pub looks: Vec<(LandmarkId, Landmark)>,
+    /// Where pictures show landmarks in space that the localizer knew at the end, if it keeps that.
+    pub views: Option<Views>,
     /// The poses of the drive as the localizer told them at its end, by what was read after them as well as before, if it did.
     pub post_localized: Option<PostLocalized>,
     /// What the localizer under test did wrong so that the run ended, if anything.
@@ -225,6 +227,7 @@ impl RunRecord {
             space_points: Vec::new(),
             seen_again: Vec::new(),
             looks: Vec::new(),
+            views: None,
             post_localized: None,
             subject_failure: None,
             subject_log: None,

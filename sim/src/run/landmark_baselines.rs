@@ -49,7 +49,7 @@ impl LandmarkBaselines {
     fn matching(scene: &Scene, start: &PoseBox) -> Option<PointMatching> {
         let map = scene.localizer.mapped_landmarks().known?;
         let is_used = scene.localizer.methods.contains(&MethodName::MappedLandmarks);
-        let known = KnownLandmarks { points: &map.landmarks, looks: &map.looks };
+        let known = KnownLandmarks { points: &map.landmarks, looks: &map.looks, views: None };
         PointMatching::new(&scene.robot_model(), known, start).filter(|_| is_used)
     }
 

@@ -164,6 +164,7 @@ impl Simulation<'_> {
         record.history.space_points = subject.space_points();
         record.history.seen_again = subject.seen_again();
         record.history.looks = subject.looks();
+        record.history.views = subject.views();
         if self.commands.is_none() {
             record.history.post_localized = subject.post_localized();
         }

@@ -60,7 +60,7 @@ pub use further_room::FurtherRoom;
 pub(crate) use further_room::RoomShape;
 pub use keys_page::keys_markdown;
 pub use lamps::{Lamp, LampKind, MAX_LAMPS, Spectrum};
-pub use landmark_map::LandmarkMap;
+pub use landmark_map::{LandmarkMap, TrueEye};
 pub use log::{Datum, ImuMount, Joints, Log, LoggedTruth, OdometryLaw, Stamps, Topics, UpAxis};
 pub use mapped_landmarks::MappedLandmarksSetup;
 pub(crate) use markers::UNDER_CEILING_M;
@@ -304,6 +304,17 @@ impl LocalizerSetup {
     /// Setup of the method `mapped_landmarks`, which locates the robot by landmarks in space: the scene's, or the default if the scene states none.
     pub fn mapped_landmarks(&self) -> MappedLandmarksSetup {
         self.mapped_landmarks.clone().unwrap_or_default()
+    }
+
+    /// The camera that truly took a picture of the drives that taught the scene's map, given by the picture's place on the map, if the map tells it.
+    pub fn true_eye(&self, picture: usize) -> Option<&TrueEye> {
+        self.mapped_landmarks.as_ref()?.known.as_ref()?.true_eyes.get(picture)
+    }
+
+    /// Makes a map known, as if a file of it had been read.
+    #[cfg(test)]
+    pub(crate) fn know(&mut self, map: LandmarkMap) {
+        self.mapped_landmarks.get_or_insert_default().known = Some(map);
     }
 
     /// Whether the drive is to teach a map of landmarks in space.

@@ -11,7 +11,7 @@ use std::{
 use localizer::{
     Pose, PoseBox, Reading,
     localizer::{Account, PoseWidth, PostLocalized},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, Views},
     motion::SlipExcess,
     reading::LandmarkId,
     vision::point_features::Landmark,
@@ -80,6 +80,10 @@ impl Subject for Interruptible {
 
     fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
         self.inner.space_points()
+    }
+
+    fn views(&self) -> Option<Views> {
+        self.inner.views()
     }
 
     fn seen_again(&self) -> Vec<SeenAgain> {

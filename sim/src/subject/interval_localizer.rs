@@ -3,7 +3,7 @@
 use localizer::{
     Localizer, Method, PoseBox, Reading,
     localizer::{Account, PoseWidth, PostLocalized},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, Views},
     motion::SlipExcess,
     reading::LandmarkId,
     vision::point_features::Landmark,
@@ -66,6 +66,10 @@ impl Subject for IntervalLocalizer {
 
     fn space_points(&mut self) -> Vec<(LandmarkId, SpacePoint)> {
         self.localizer.space_points()
+    }
+
+    fn views(&self) -> Option<Views> {
+        self.localizer.views()
     }
 
     fn seen_again(&self) -> Vec<SeenAgain> {

@@ -18,7 +18,7 @@ use interval::Interval;
 use localizer::{
     Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
     localizer::{Account, PoseWidth, PostLocalized},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, Views},
     motion::SlipExcess,
     reading::LandmarkId,
     vision::point_features::Landmark,
@@ -95,6 +95,12 @@ pub trait Subject {
     /// How the landmarks in space look that the subject knows by their looks, for a map file; a subject without any need not implement this.
     fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
         Vec::new()
+    }
+
+    /// Where pictures of the drive show landmarks in space, for a map file; asked for after [`Subject::space_points`]. A subject without any need not
+    /// implement this.
+    fn views(&self) -> Option<Views> {
+        None
     }
 
     /// The poses of the present drive, by what was read after them as well as before; a subject that does not look back need not implement this.

@@ -204,9 +204,9 @@ fn odometry_carries_on_from_the_pose_of_the_last_picture_that_told_one() {
     let robot = RobotModel { forward_camera: Some(model()), ..robot() };
     let looks = vec![(LandmarkId(3), Landmark::from_bytes(&vec![0; N_BYTES]).unwrap())];
     let points = vec![(LandmarkId(3), landmark(Vector3::new(2.0, 0.0, 0.5), EXACT))];
-    let known = KnownLandmarks { points: &points, looks: &looks };
+    let known = KnownLandmarks { points: &points, looks: &looks, views: None };
     let start = PoseBox::from([Interval::centred(1.0, 0.1), Interval::centred(2.0, 0.1), Interval::centred(0.0, 0.1)]);
-    assert!(PointMatching::new(&robot, KnownLandmarks { points: &points, looks: &[] }, &start).is_none());
+    assert!(PointMatching::new(&robot, KnownLandmarks { points: &points, looks: &[], views: None }, &start).is_none());
     assert!(PointMatching::new(&RobotModel { gyro: None, ..robot.clone() }, known, &start).is_none());
     let mut matching = PointMatching::new(&robot, known, &start).unwrap();
     // Ten steps of 30 ticks with wheels of 0.05 m and 1024 ticks a turn.
@@ -240,7 +240,7 @@ fn a_landmark_is_matched_at_the_sizes_that_both_focal_lengths_give_it() {
     let points = vec![(LandmarkId(3), point)];
     let matching = PointMatching::new(
         &robot,
-        KnownLandmarks { points: &points, looks: &looks },
+        KnownLandmarks { points: &points, looks: &looks, views: None },
         &PoseBox::from([Interval::ZERO; 3]),
     )
     .unwrap();

@@ -18,7 +18,7 @@ use interval::{Interval, IntervalBox, contractor::q_intersection};
 use crate::{
     PoseBox,
     graph::{Relations, Variable, bounds_over},
-    map::SpacePoint,
+    map::{SpacePoint, ViewCamera, ViewPicture, ViewSight, Views},
     reading::LandmarkId,
     vision::point_features::{Landmark, Record, Refusal, Sighting},
 };
@@ -26,6 +26,7 @@ use crate::{
 use super::{
     ray::Optics,
     relate::{Points, Sight},
+    view::choose,
 };
 
 /// Number of the sightings of a landmark that may be wrong without harm to its box.
@@ -61,6 +62,8 @@ pub(super) struct Album {
     window: VecDeque<Picture>,
     /// Number of pictures since some were solved together.
     n_since: usize,
+    /// Pictures of the drives that taught the map.
+    views: Views,
 }
 
 /// A picture of the window.
@@ -91,8 +94,12 @@ pub(super) struct Entry {
 
 impl Album {
     /// The album of a map's landmarks whose looks are known.
-    pub(super) fn of(points: &[(LandmarkId, SpacePoint)], looks: &[(LandmarkId, Landmark)]) -> Album {
-        let mut album = Album::default();
+    pub(super) fn of(
+        points: &[(LandmarkId, SpacePoint)],
+        looks: &[(LandmarkId, Landmark)],
+        views: Option<&Views>,
+    ) -> Album {
+        let mut album = Album { views: views.cloned().unwrap_or_default(), ..Album::default() };
         for (landmark, look) in looks {
             let of_it = |(known, _): &&(LandmarkId, SpacePoint)| known == landmark;
             if let Some(&(_, point)) = points.iter().find(of_it) {
@@ -115,6 +122,41 @@ impl Album {
 
     pub(super) fn point(&self, landmark: LandmarkId) -> Option<SpacePoint> {
         Some(self.entries.get(&landmark)?.point)
+    }
+
+    /// Chooses for each sighting a picture of the drives that taught the map.
+    pub(super) fn choose_views(&self, sights: &mut [Sight], pose: &PoseBox) {
+        let all = &self.views.sights;
+        let views_of = |landmark: LandmarkId| {
+            let first = all.partition_point(|(of, _)| *of < landmark);
+            all[first..].iter().take_while(|(of, _)| *of == landmark).map(|(_, view)| *view).collect()
+        };
+        choose(sights, &self.views, views_of, pose);
+    }
+
+    /// A picture of the drives that taught the map.
+    pub(super) fn picture(&self, index: usize) -> Option<&ViewPicture> {
+        self.views.pictures.get(index)
+    }
+
+    /// The views of the map, and then those of this drive: for each picture the stamp, the box of the pose that it shows, and its sightings.
+    pub(super) fn views(&self, camera: ViewCamera, pictures: &[(f64, PoseBox, &[Sight])]) -> Views {
+        let mut views = self.views.clone();
+        let drive = views.cameras.len();
+        views.cameras.push(camera);
+        for &(stamp_s, pose, sights) in pictures {
+            let picture = views.pictures.len();
+            views.pictures.push(ViewPicture { stamp_s, camera: drive, pose, turned_since: Vec::new() });
+            let is_kept = |sight: &&Sight| self.entries.get(&sight.landmark).is_some_and(Entry::is_kept);
+            views.sights.extend(
+                sights
+                    .iter()
+                    .filter(is_kept)
+                    .map(|sight| (sight.landmark, ViewSight { picture, at_px: sight.at_px, error_px: sight.error_px })),
+            );
+        }
+        views.sights.sort_by_key(|(landmark, view)| (*landmark, view.picture));
+        views
     }
 
     /// Landmarks that are worth a place on a map: those of the map, and those that were found often enough.

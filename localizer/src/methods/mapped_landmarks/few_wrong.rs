@@ -74,6 +74,12 @@ impl FewWrong {
         self.sights.len() >= self.most_wrong + 2
     }
 
+    /// The picture of the teaching drive that the sightings are compared with.
+    pub(super) fn view(&self) -> Option<usize> {
+        let mut views = self.sights.iter().flat_map(|one| &one.seen).filter_map(|sight| sight.view);
+        views.next().map(|view| view.sight.picture)
+    }
+
     /// The program of the sightings for a picture from a pose within a box; `None` where they exclude every such pose.
     pub(super) fn program(&self, shown: &PoseBox) -> Option<DespiteWrong> {
         let items: Vec<&dyn Relations> = self.sights.iter().map(|one| one as &dyn Relations).collect();
@@ -155,7 +161,13 @@ pub(super) mod tests {
                 let anchor = Anchor { from_m: [0.1, 0.2, 0.4], axis, is_positive: landmark[axis] > 0.0 };
                 let value = homogeneous(&anchor, landmark).map(|one| around(draw, one, 0.002));
                 let error_px = [truth.camera.error_px; 2];
-                Sight { landmark: seen.landmark, point: SpacePoint { anchor, value }, at_px: seen.at_px, error_px }
+                Sight {
+                    landmark: seen.landmark,
+                    point: SpacePoint { anchor, value },
+                    at_px: seen.at_px,
+                    error_px,
+                    view: None,
+                }
             })
             .collect();
         sights.truncate(24);

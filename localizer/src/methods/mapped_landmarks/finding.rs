@@ -168,12 +168,13 @@ impl Finder {
         let Some((at_px, error_px)) = self.lens.straightened(sighting.position_px, sighting.half_width_px) else {
             return;
         };
-        searched.sights.push(Sight { landmark, point, at_px, error_px });
+        searched.sights.push(Sight { landmark, point, at_px, error_px, view: None });
         searched.claims.push(Claim::SpacePoint {
             landmark,
             point,
             at_px: sighting.position_px,
             half_width_px: sighting.half_width_px,
+            view: None,
         });
     }
 

@@ -22,7 +22,7 @@ use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::{self, Assumption},
     graph::{Relations, Stray, Variable},
-    map::{SeenAgain, SpacePoint},
+    map::{SeenAgain, SpacePoint, Views},
     method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
     quota::{Quota, share_of},
     reading::{Camera, LandmarkId},
@@ -38,10 +38,13 @@ use super::{
     few_wrong::FewWrong,
     finding::{Finder, Searched},
     lens::PictureLens,
-    pose_rows::PoseRows,
+    pose_rows::{NearView, PoseRows},
     ray::Optics,
     relate::{Sight, best_known_apart},
     seen_again::Sought,
+    spread::Spread,
+    telling::most_telling,
+    view,
     whereabouts::Whereabouts,
     whole_drive::WholeDrive,
 };
@@ -69,10 +72,8 @@ const MOST_USED: usize = 18;
 const VAGUE_M: f64 = 0.08;
 const VAGUE_RAD: f64 = 0.03;
 const FEWEST_FIRST: usize = 4;
-/// Number of landmarks found in a picture below which new ones are made of it.
-const ENOUGH: usize = 30;
-/// Greatest number of new landmarks that one picture is asked for, known ones included.
-const MOST_NEW: usize = 60;
+/// Greatest number of new landmarks that one picture is asked for.
+const MOST_NEW: usize = 30;
 /// Least distance, in pixels, of a new landmark from known ones, and of sightings that are used from each other: about the radius of a patch.
 const APART_PX: f64 = 14.0;
 /// Least distance of the robot, in metres, and least turn, in radians, between two pictures from which landmarks are learnt.
@@ -120,6 +121,8 @@ pub struct KnownLandmarks<'a> {
     pub points: &'a [(LandmarkId, SpacePoint)],
     /// How they look.
     pub looks: &'a [(LandmarkId, Landmark)],
+    /// Pictures of the drives that taught them, if these are known.
+    pub views: Option<&'a Views>,
 }
 
 /// Method that localizes the robot by landmarks in pictures of the camera that looks ahead.
@@ -181,9 +184,12 @@ impl PicturedLandmarks {
             least_depth_m: declared.least_depth_m,
             stamp_error_s: camera.stamp_error_s,
         };
-        let album = Album::of(known.points, known.looks);
+        let album = Album::of(known.points, known.looks, known.views);
+        let taught = known.views.map_or_else(Vec::new, |views| views.cameras.iter().map(view::optics).collect());
+        let mut optics = Optics::new(pinhole, robot.body);
+        optics.taught = taught;
         PicturedLandmarks {
-            finder: Finder::new(PictureLens::new(&camera), Arc::new(Optics::new(pinhole, robot.body))),
+            finder: Finder::new(PictureLens::new(&camera), Arc::new(optics)),
             images: ImageBounds {
                 focal_px: camera.focal_px.mid(),
                 slant: SLANT,
@@ -231,7 +237,14 @@ impl PicturedLandmarks {
     /// What sightings relate.
     fn relations(&self, sightings: &FewWrong) -> Arc<dyn Relations> {
         let stamp_error_s = self.finder.optics.camera.stamp_error_s;
-        Arc::new(PoseRows::new(sightings.clone(), stamp_error_s, !self.keeps_drive()))
+        Arc::new(PoseRows::new(sightings.clone(), stamp_error_s, !self.keeps_drive(), self.near_view(sightings)))
+    }
+
+    /// The picture of the drive that taught the map with which sightings are compared.
+    fn near_view(&self, sightings: &FewWrong) -> Option<NearView> {
+        let picture = sightings.view()?;
+        let view = self.album.picture(picture)?;
+        Some(NearView { picture, pose: view.pose, turned_since: view.turned_since.clone() })
     }
 
     /// The contractor of sightings of which a number may be false.
@@ -281,7 +294,7 @@ impl Method for PicturedLandmarks {
         if self.keeps_drive() && !is_anywhere {
             self.drive.note(*measured_s, &search.sights);
         }
-        let Searched { sights, claims, near_px, missed, absent } = search;
+        let Searched { mut sights, mut claims, near_px, missed, absent } = search;
         self.looked_for = None;
         if !is_anywhere {
             let is_found = |landmark: LandmarkId| sights.iter().any(|sight| sight.landmark == landmark);
@@ -292,14 +305,11 @@ impl Method for PicturedLandmarks {
         }
         let mut new = Vec::new();
         let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
-        if learns && sights.len() < ENOUGH {
-            let is_apart = |landmark: &Landmark| {
-                let [u, v] = landmark.position_px();
-                near_px.iter().all(|[near_u, near_v]| (u - near_u).hypot(v - near_v) >= APART_PX)
-            };
-            new = frame.landmarks(MOST_NEW);
-            new.retain(is_apart);
-            new.truncate(ENOUGH - sights.len());
+        if learns {
+            let mut spread = Spread::new(size_px, sights.iter().map(|sight| sight.at_px));
+            let is_apart =
+                |[u, v]: [f64; 2]| near_px.iter().all(|[near_u, near_v]| (u - near_u).hypot(v - near_v) >= APART_PX);
+            new = frame.landmarks_where(MOST_NEW, |at_px| is_apart(at_px) && spread.takes(at_px));
         }
         if learns {
             self.latest = Some(Seen { stamp_s: *measured_s, found: sights.clone(), new });
@@ -313,7 +323,17 @@ impl Method for PicturedLandmarks {
                 ..Constraint::new(self.name(), *measured_s, nothing)
             });
         }
-        let used = best_known_apart(&sights, MOST_USED, APART_PX);
+        self.album.choose_views(&mut sights, &pose);
+        for (claim, sight) in claims.iter_mut().zip(&sights) {
+            if let Claim::SpacePoint { view, .. } = claim {
+                *view = sight.view.map(|view| view.sight);
+            }
+        }
+        let used = if is_anywhere {
+            best_known_apart(&sights, MOST_USED, APART_PX)
+        } else {
+            most_telling(&sights, &pose, &self.finder.optics, MOST_USED, APART_PX)
+        };
         let (sights, claims): (Vec<Sight>, Vec<Claim>) =
             used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
         let most_wrong = self.declared.wrong_of(sights.len());
@@ -367,6 +387,16 @@ impl Memory for PicturedLandmarks {
         self.album.narrow(bounds, stamp_s);
     }
 
+    fn views(&self, shown: &[(f64, PoseBox)]) -> Option<Views> {
+        let optics = &self.finder.optics;
+        let shown: Vec<(f64, PoseBox)> =
+            shown.iter().map(|(stamp_s, pose)| (*stamp_s, self.stray.around(pose))).collect();
+        let pictures = self.drive.apart(&shown, &self.album, optics);
+        let pictures: Vec<(f64, PoseBox, &[Sight])> =
+            pictures.iter().map(|(stamp_s, pose, sights)| (*stamp_s, *pose, sights.as_slice())).collect();
+        self.keeps_drive().then(|| self.album.views(view::kept(optics), &pictures))
+    }
+
     fn forget_since(&mut self, since_s: f64) {
         self.album.forget_since(since_s);
         self.drive.forget_since(since_s);
@@ -400,7 +430,7 @@ impl Memory for PicturedLandmarks {
                 && let Some(point) = self.finder.optics.first_seen(&shown, at_px, error_px)
                 && let Some(landmark) = self.album.add(look, point, stamp_s)
             {
-                first.push(Sight { landmark, point, at_px, error_px });
+                first.push(Sight { landmark, point, at_px, error_px, view: None });
             }
         }
         if self.keeps_drive() {

@@ -17,28 +17,82 @@ use crate::{
 
 use super::few_wrong::FewWrong;
 
+/// Number of the key frame in a program of one picture.
+const FRAME: usize = 0;
+
 /// Rows of the pose by the sightings of a picture, of which a few may be wrong.
 pub(super) struct PoseRows {
     sightings: FewWrong,
     stamp_error_s: f64,
     /// Whether the landmarks are those of a map, and none that the drive teaches.
     is_of_the_map: bool,
-    /// Coefficients of x, y and heading, with bounds of their sum over all poses that the picture may show: made when they are first needed.
-    rows: OnceLock<Vec<([f64; 3], Interval)>>,
+    /// The picture of the teaching drive relative to which the sightings tell the pose.
+    view: Option<NearView>,
+    /// Coefficients of quantities, with bounds of their sum over all poses that the picture may show: made when they are first needed.
+    rows: OnceLock<Vec<(Function, Interval)>>,
+}
+
+/// Coefficients of quantities.
+type Function = Vec<(Variable, f64)>;
+
+/// A picture of the drive that taught the map, from near the pose.
+#[derive(Clone, Debug)]
+pub(super) struct NearView {
+    /// Index of the picture.
+    pub(super) picture: usize,
+    /// Box of the pose from which it was taken.
+    pub(super) pose: PoseBox,
+    /// Earlier pictures by their indices, with the turn since.
+    pub(super) turned_since: Vec<(usize, Interval)>,
 }
 
 impl PoseRows {
-    pub(super) fn new(sightings: FewWrong, stamp_error_s: f64, is_of_the_map: bool) -> PoseRows {
-        PoseRows { sightings, stamp_error_s, is_of_the_map, rows: OnceLock::new() }
+    pub(super) fn new(
+        sightings: FewWrong,
+        stamp_error_s: f64,
+        is_of_the_map: bool,
+        view: Option<NearView>,
+    ) -> PoseRows {
+        PoseRows { sightings, stamp_error_s, is_of_the_map, view, rows: OnceLock::new() }
     }
 
     /// The rows for a picture from a pose within a box: bounds over all parts of the box that the sightings do not exclude.
-    fn make(&self, pose: &PoseBox) -> Vec<([f64; 3], Interval)> {
+    fn make(&self, pose: &PoseBox) -> Vec<(Function, Interval)> {
         let Some(program) = self.sightings.program(pose) else { return Vec::new() };
-        let functions = told_best(&program.on_pose, [0, 1, 2].map(|axis| 0.5 * pose.width(axis)));
-        let bounds = parts(pose).into_iter().filter_map(|part| self.sightings.program(&part)?.bounds(&functions));
+        let best = told_best(&program.on_pose, [0, 1, 2].map(|axis| 0.5 * pose.width(axis)));
+        let functions: Vec<Function> = best.into_iter().map(|of_pose| self.relative(of_pose, pose)).collect();
+        let bounds =
+            parts(pose).into_iter().filter_map(|part| self.sightings.program(&part)?.bounds_of_all(&functions));
         let hull = bounds.reduce(|hull, bounds| hull.into_iter().zip(bounds).map(|(a, b)| a.hull(b)).collect());
         hull.map_or_else(Vec::new, |hull| functions.into_iter().zip(hull).collect())
+    }
+}
+
+impl PoseRows {
+    /// A function of the pose, less that function of the pose of the view by which the difference stays as it is where both are displaced and turned
+    /// together.
+    fn relative(&self, of_pose: [f64; 3], pose: &PoseBox) -> Function {
+        let mut function: Function = (0..3).map(|axis| (Variable::Pose(FRAME, axis), of_pose[axis])).collect();
+        if let Some(view) = &self.view {
+            let [x_m, y_m] = [0, 1].map(|axis| pose[axis].mid() - view.pose[axis].mid());
+            let of_turn = of_pose[2] - of_pose[0] * y_m + of_pose[1] * x_m;
+            let of_view = [of_pose[0], of_pose[1], of_turn];
+            function.extend((0..3).map(|axis| (Variable::ViewPose(view.picture, axis), -of_view[axis])));
+        }
+        function
+    }
+
+    /// Rows of the turn from earlier views that the domain has to this one's.
+    fn turns(&self, domain: &Domain) -> Vec<Row> {
+        let Some(view) = &self.view else { return Vec::new() };
+        let here = Variable::ViewPose(view.picture, 2);
+        let known = |&&(earlier, _): &&(usize, Interval)| !domain.value(Variable::ViewPose(earlier, 2)).is_empty();
+        let row = |&(earlier, turn): &(usize, Interval)| {
+            let there = Variable::ViewPose(earlier, 2);
+            let at_reference = Interval::point(domain.reference(here)) - Interval::point(domain.reference(there));
+            Row::new(domain, &[(here, Interval::ONE), (there, -Interval::ONE)], turn - at_reference)
+        };
+        view.turned_since.iter().filter(known).map(row).collect()
     }
 }
 
@@ -65,7 +119,8 @@ fn told_best(rows: &[([f64; 3], f64)], halves: [f64; 3]) -> Vec<[f64; 3]> {
 
 impl Relations for PoseRows {
     fn quantities(&self, _frame: usize, _pose: &PoseBox) -> Vec<(Variable, Interval)> {
-        Vec::new()
+        let of_view = |view: &NearView| [0, 1, 2].map(|axis| (Variable::ViewPose(view.picture, axis), view.pose[axis]));
+        self.view.iter().flat_map(of_view).collect()
     }
 
     fn is_of_the_map(&self) -> bool {
@@ -91,14 +146,17 @@ impl Relations for PoseRows {
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let pose = PoseBox::from([0, 1, 2].map(|axis| domain.value(Variable::Pose(frame, axis))));
         let rows = self.rows.get_or_init(|| self.make(&pose));
-        let row = |(coefficients, sides): &([f64; 3], Interval)| {
-            let terms = [0, 1, 2].map(|axis| (Variable::Pose(frame, axis), Interval::point(coefficients[axis])));
+        let row = |(function, sides): &(Function, Interval)| {
+            let at_frame =
+                |variable| if let Variable::Pose(_, axis) = variable { Variable::Pose(frame, axis) } else { variable };
+            let terms: Vec<(Variable, Interval)> =
+                function.iter().map(|&(variable, a)| (at_frame(variable), Interval::point(a))).collect();
             let at_reference = terms.iter().fold(Interval::ZERO, |sum, &(variable, coefficient)| {
                 sum + coefficient * Interval::point(domain.reference(variable))
             });
             Row::new(domain, &terms, *sides - at_reference).by_device("forward_camera")
         };
-        rows.iter().map(row).collect()
+        rows.iter().map(row).chain(self.turns(domain)).collect()
     }
 }
 
@@ -119,7 +177,7 @@ mod tests {
         for round in 0..n_rounds {
             let n_wrong = round % 3;
             let (optics, sights, pose, truth) = trial(&mut draw, n_wrong);
-            let rows = PoseRows::new(FewWrong::new(&optics, Stray::default(), &sights, n_wrong), 0.0, true);
+            let rows = PoseRows::new(FewWrong::new(&optics, Stray::default(), &sights, n_wrong), 0.0, true, None);
             let mut domain = Domain::default();
             domain.put_pose(4, &pose);
             let made = rows.rows(4, &domain);

@@ -58,10 +58,36 @@ pub(super) struct Optics {
     pub(super) body: BodyModel,
     /// Cosine and sine of the nominal upward tilt.
     up: [Interval; 2],
+    /// The cameras and bodies of the drives that taught the map.
+    pub(super) taught: Vec<Optics>,
+}
+
+/// Which picture shows an image point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Picture {
+    /// That of the key frame with the given number.
+    Own(usize),
+    /// One of the drive that taught the map, by its index among those of the map, and by the index of that drive's camera.
+    Taught(usize, usize),
 }
 
 /// The quantity of the graph that a parameter is; `None` for what is each reading's own.
-pub(super) fn variable(parameter: usize, frame: usize, landmark: LandmarkId) -> Option<Variable> {
+pub(super) fn variable(parameter: usize, picture: Picture, landmark: LandmarkId) -> Option<Variable> {
+    let frame = match picture {
+        Picture::Own(frame) => frame,
+        Picture::Taught(index, camera) => {
+            let shared = match variable(parameter, Picture::Own(0), landmark)? {
+                Variable::Pose(_, axis) => Variable::ViewPose(index, axis),
+                // What matters little of the camera that taught is enclosed.
+                Variable::Constant(one @ (Constant::PointYaw | Constant::PointTilt(_) | Constant::PointCentre(_))) => {
+                    Variable::ViewConstant(camera, one)
+                }
+                point @ Variable::Point(..) => point,
+                _ => return None,
+            };
+            return Some(shared);
+        }
+    };
     let at = |indices: &[usize]| indices.iter().position(|&index| index == parameter);
     let constant = Variable::Constant;
     None.or_else(|| at(&POINT).map(|k| Variable::Point(landmark, k)))
@@ -78,7 +104,7 @@ pub(super) fn variable(parameter: usize, frame: usize, landmark: LandmarkId) -> 
 impl Optics {
     pub(super) fn new(camera: PointCameraModel, body: BodyModel) -> Optics {
         let up = Interval::point(camera.tilt_up_rad);
-        Optics { camera, body, up: [up.cos(), up.sin()] }
+        Optics { camera, body, up: [up.cos(), up.sin()], taught: Vec::new() }
     }
 
     /// The intervals that the camera and the body have, with those of a pose and of a landmark's α, β and ρ.

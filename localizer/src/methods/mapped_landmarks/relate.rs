@@ -8,15 +8,24 @@ use crate::{
     PoseBox,
     bounds::{self, Assumption},
     graph::{Disc, Domain, Relations, Row, Stray, Variable},
-    map::SpacePoint,
+    map::{SpacePoint, ViewSight},
     reading::LandmarkId,
     robot::cayley_radius,
 };
 
 use super::{
     camera::{DEVICE, SeenPoint},
-    ray::{HEAVE, N_PARAMETERS, Optics, POINT, Parameters, TURN, variable},
+    ray::{HEAVE, N_PARAMETERS, Optics, POINT, Parameters, Picture, TURN, variable},
 };
+
+/// A picture of the teaching drive with the place in it of a landmark.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    pub(super) sight: ViewSight,
+    /// Index of the drive's camera, and the box of the pose from which the picture was taken.
+    pub(super) camera: usize,
+    pub(super) pose: PoseBox,
+}
 
 /// Image point of a landmark, with what is known of the landmark.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +36,8 @@ pub(super) struct Sight {
     pub(super) at_px: [f64; 2],
     /// Greatest error of the image point along u and along v.
     pub(super) error_px: [f64; 2],
+    /// A picture of the drive that taught the landmark, if that is used.
+    pub(super) view: Option<View>,
 }
 
 impl Sight {
@@ -39,7 +50,7 @@ impl Sight {
 
     /// The sight of an image point that a point camera has told.
     pub(super) fn told(seen: &SeenPoint, point: SpacePoint, optics: &Optics) -> Sight {
-        Sight { landmark: seen.landmark, point, at_px: seen.at_px, error_px: [optics.camera.error_px; 2] }
+        Sight { landmark: seen.landmark, point, at_px: seen.at_px, error_px: [optics.camera.error_px; 2], view: None }
     }
 }
 
@@ -70,54 +81,81 @@ pub(super) struct Points {
 }
 
 impl Points {
-    fn rows_of(&self, Sight { landmark, point, at_px, error_px }: &Sight, frame: usize, domain: &Domain) -> Vec<Row> {
-        // What no quantity of the graph stands for keeps its interval.
-        let own = self.optics.parameters(&PoseBox::from([Interval::ZERO; 3]), point.value);
-        let named: [Option<Variable>; N_PARAMETERS] = std::array::from_fn(|k| variable(k, frame, *landmark));
-        let over_box: Parameters = std::array::from_fn(|k| named[k].map_or(own[k], |one| domain.value(one)));
-        if over_box.iter().any(|value| value.is_empty() || !value.is_bounded()) {
-            return Vec::new();
+    fn rows_of(&self, sight: &Sight, frame: usize, domain: &Domain) -> Vec<Row> {
+        let own = (sight.at_px, sight.error_px);
+        let mut rows = rows_of(&self.optics, Picture::Own(frame), sight, own, domain);
+        if let Some(view) = &sight.view
+            && let Some(optics) = self.optics.taught.get(view.camera)
+        {
+            let picture = Picture::Taught(view.sight.picture, view.camera);
+            rows.extend(rows_of(optics, picture, sight, (view.sight.at_px, view.sight.error_px), domain));
         }
-        let at_middle: Parameters =
-            std::array::from_fn(|k| Interval::point(named[k].map_or(own[k].mid(), |one| domain.reference(one))));
-        // From the middle the other parameters are moved first, with the landmark's in the middle, and then the landmark's: the product of both
-        // deviations, which is most of what a row loses, counts once in this way, and twice with slopes over the whole box.
-        let landmark_at_middle: Parameters =
-            std::array::from_fn(|k| if POINT.contains(&k) { at_middle[k] } else { over_box[k] });
-        // The landmark's parameters are the first.
-        const { assert!(POINT[0] == 0 && POINT[1] == 1 && POINT[2] == 2) };
-        let (over_box, depth) = self.optics.equations::<{ POINT.len() }>(&over_box, &point.anchor, *at_px);
-        let (others, _) = self.optics.equations::<N_PARAMETERS>(&landmark_at_middle, &point.anchor, *at_px);
-        let (at_middle, _) = self.optics.equations::<0>(&at_middle, &point.anchor, *at_px);
-        let slope =
-            |equation: usize, k: usize| over_box[equation].slopes.get(k).copied().unwrap_or(others[equation].slopes[k]);
-        // Rows count in about the image's units of a focal length, so that their coefficients are of the size of those of other rows. The factor is a
-        // power of two, by which numbers are multiplied without a rounding error.
-        let unit = Interval::point((-self.optics.camera.focal_px.mid().log2().round()).exp2());
-        let row = |k: usize| {
-            let error = Interval::centred(0.0, error_px[k]) * depth.value * unit;
-            let slopes: Parameters = std::array::from_fn(|parameter| slope(k, parameter) * unit);
-            let terms: Vec<(Variable, Interval)> =
-                (0..N_PARAMETERS).filter_map(|k| Some((named[k]?, slopes[k]))).collect();
-            let [heave, turn] = [HEAVE, TURN].map(|k| slopes[k] * own[k]);
-            Row::new(domain, &terms, error - at_middle[k].value * unit - heave - turn)
-                .with_part(bounds::POINT_CAMERA_POINTS, error.radius())
-                .with_part(bounds::BODY_HEAVE, heave.radius())
-                .with_part(bounds::BODY_TILT, turn.radius())
-                .by_device(DEVICE)
-        };
-        vec![row(0), row(1)]
+        rows
     }
+}
+
+/// The rows of a landmark that a picture shows at a place with a greatest error.
+fn rows_of(
+    optics: &Optics,
+    picture: Picture,
+    Sight { landmark, point, .. }: &Sight,
+    (at_px, error_px): ([f64; 2], [f64; 2]),
+    domain: &Domain,
+) -> Vec<Row> {
+    // What no quantity of the graph stands for keeps its interval.
+    let own = optics.parameters(&PoseBox::from([Interval::ZERO; 3]), point.value);
+    let named: [Option<Variable>; N_PARAMETERS] = std::array::from_fn(|k| variable(k, picture, *landmark));
+    let over_box: Parameters = std::array::from_fn(|k| named[k].map_or(own[k], |one| domain.value(one)));
+    if over_box.iter().any(|value| value.is_empty() || !value.is_bounded()) {
+        return Vec::new();
+    }
+    let at_middle: Parameters =
+        std::array::from_fn(|k| Interval::point(named[k].map_or(own[k].mid(), |one| domain.reference(one))));
+    // From the middle the other parameters are moved first, with the landmark's in the middle, and then the landmark's: the product of both
+    // deviations, which is most of what a row loses, counts once in this way, and twice with slopes over the whole box.
+    let landmark_at_middle: Parameters =
+        std::array::from_fn(|k| if POINT.contains(&k) { at_middle[k] } else { over_box[k] });
+    // The landmark's parameters are the first.
+    const { assert!(POINT[0] == 0 && POINT[1] == 1 && POINT[2] == 2) };
+    let (over_box, depth) = optics.equations::<{ POINT.len() }>(&over_box, &point.anchor, at_px);
+    let (others, _) = optics.equations::<N_PARAMETERS>(&landmark_at_middle, &point.anchor, at_px);
+    let (at_middle, _) = optics.equations::<0>(&at_middle, &point.anchor, at_px);
+    let slope =
+        |equation: usize, k: usize| over_box[equation].slopes.get(k).copied().unwrap_or(others[equation].slopes[k]);
+    // Rows count in about the image's units of a focal length, so that their coefficients are of the size of those of other rows. The factor is a
+    // power of two, by which numbers are multiplied without a rounding error.
+    let unit = Interval::point((-optics.camera.focal_px.mid().log2().round()).exp2());
+    let row = |k: usize| {
+        let error = Interval::centred(0.0, error_px[k]) * depth.value * unit;
+        let slopes: Parameters = std::array::from_fn(|parameter| slope(k, parameter) * unit);
+        let terms: Vec<(Variable, Interval)> = (0..N_PARAMETERS).filter_map(|k| Some((named[k]?, slopes[k]))).collect();
+        let [heave, turn] = [HEAVE, TURN].map(|k| slopes[k] * own[k]);
+        // Parameters of which no quantity of the graph stands for, besides those two, and which are known to an interval.
+        let unnamed = (0..N_PARAMETERS).filter(|&k| named[k].is_none() && k != HEAVE && k != TURN);
+        let rest = unnamed.fold(Interval::ZERO, |sum, k| sum + slopes[k] * (own[k] - Interval::point(own[k].mid())));
+        Row::new(domain, &terms, error - at_middle[k].value * unit - heave - turn - rest)
+            .with_part(bounds::POINT_CAMERA_POINTS, error.radius())
+            .with_part(bounds::BODY_HEAVE, heave.radius())
+            .with_part(bounds::BODY_TILT, turn.radius())
+            .by_device(DEVICE)
+    };
+    vec![row(0), row(1)]
 }
 
 impl Relations for Points {
     fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
         let mut quantities = Vec::new();
-        for Sight { landmark, point, .. } in &self.seen {
-            let parameters = self.optics.parameters(pose, point.value);
-            for (k, value) in parameters.into_iter().enumerate() {
-                let variable = variable(k, frame, *landmark).filter(|one| !matches!(one, Variable::Pose(..)));
-                quantities.extend(variable.map(|variable| (variable, value)));
+        let of = |optics: &Optics, picture: Picture, pose: &PoseBox, Sight { landmark, point, .. }: &Sight| {
+            let parameters = optics.parameters(pose, point.value).into_iter().enumerate();
+            let named = parameters.filter_map(|(k, value)| Some((variable(k, picture, *landmark)?, value)));
+            named.filter(|(one, _)| !matches!(one, Variable::Pose(..))).collect::<Vec<_>>()
+        };
+        for sight in &self.seen {
+            quantities.extend(of(&self.optics, Picture::Own(frame), pose, sight));
+            if let Some(view) = &sight.view
+                && let Some(optics) = self.optics.taught.get(view.camera)
+            {
+                quantities.extend(of(optics, Picture::Taught(view.sight.picture, view.camera), &view.pose, sight));
             }
         }
         quantities.sort_by_key(|&(variable, _)| variable);
@@ -165,6 +203,7 @@ mod tests {
             point: SpacePoint { anchor, value: [Interval::centred(0.0, half); 3] },
             at_px: [u_px, 5.0],
             error_px: [0.5; 2],
+            view: None,
         });
         // Those at 0 and 19 px are within 14 px of that at 10 px, which is known better.
         assert_eq!(best_known_apart(&sights, 9, 14.0), [1, 3]);

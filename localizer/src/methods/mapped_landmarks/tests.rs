@@ -42,8 +42,10 @@ fn the_truth_satisfies_the_rows_of_image_points_at_the_corners_of_all_bounds() {
         let optics = Arc::new(Optics::new(truth.camera, truth.body));
         let id = LandmarkId(9);
         let error_px = [truth.camera.error_px; 2];
-        let points =
-            Points { optics, seen: vec![Sight { landmark: id, point: SpacePoint { anchor, value }, at_px, error_px }] };
+        let points = Points {
+            optics,
+            seen: vec![Sight { landmark: id, point: SpacePoint { anchor, value }, at_px, error_px, view: None }],
+        };
         let mut values: BTreeMap<Variable, f64> =
             truth.constants.iter().map(|(&constant, &value)| (Variable::Constant(constant), value)).collect();
         let mut domain = Domain::default();

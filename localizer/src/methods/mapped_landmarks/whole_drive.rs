@@ -19,6 +19,9 @@ use super::{
 const MOST_OF_PART: usize = 14;
 /// Least number of pictures of a window that show a landmark of a part.
 const FEWEST_SHOWN: usize = 3;
+/// Least distance of the robot, in metres, and least turn, in radians, between two pictures that a map keeps.
+const APART_M: f64 = 0.25;
+const APART_RAD: f64 = 0.15;
 
 /// The sightings of all pictures of a drive, by their stamps.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +41,31 @@ impl WholeDrive {
     /// Forgets pictures stamped later than the given time.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         self.pictures.retain(|(stamp_s, _)| *stamp_s <= since_s);
+    }
+
+    /// Pictures of the drive, some way apart: their stamps, the boxes of the poses that they show, and their sightings that agree with what is known of
+    /// their landmarks. `shown` are stamps with these boxes.
+    pub(super) fn apart(
+        &self,
+        shown: &[(f64, PoseBox)],
+        album: &Album,
+        optics: &Optics,
+    ) -> Vec<(f64, PoseBox, Vec<Sight>)> {
+        let mut apart: Vec<(f64, PoseBox, Vec<Sight>)> = Vec::new();
+        for (stamp_s, pose) in shown {
+            let Some((_, sights)) = self.pictures.iter().find(|(picture_s, _)| picture_s == stamp_s) else { continue };
+            let is_apart = apart.last().is_none_or(|(_, last, _)| {
+                let [x_m, y_m, turned] = [0, 1, 2].map(|axis| pose[axis].mid() - last[axis].mid());
+                x_m.hypot(y_m) >= APART_M || turned.abs() >= APART_RAD
+            });
+            if is_apart {
+                let known = |sight: &Sight| Some(Sight { point: album.point(sight.landmark)?, ..*sight });
+                let agrees = |sight: &Sight| may_be_seen(optics, sight, pose);
+                let agreeing = sights.iter().filter_map(known).filter(agrees).collect();
+                apart.push((*stamp_s, *pose, agreeing));
+            }
+        }
+        apart
     }
 
     /// What the pictures with some stamps relate, from poses within boxes, in parts of the landmarks that enough of them show. Sightings that contradict

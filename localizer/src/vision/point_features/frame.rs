@@ -89,6 +89,11 @@ impl<'a> Frame<'a> {
     /// At most `most` new landmarks, spread over the image. Corners are left out near the border, where their patch does not determine how it is
     /// placed and changed, and where another corner of the image looks alike.
     pub fn landmarks(&mut self, most: usize) -> Vec<Landmark> {
+        self.landmarks_where(most, |_| true)
+    }
+
+    /// The same of the corners at places `[u, v]` that are wanted, which are asked for one after the other.
+    pub fn landmarks_where(&mut self, most: usize, mut is_wanted: impl FnMut([f64; 2]) -> bool) -> Vec<Landmark> {
         let mut landmarks = Vec::new();
         let [upright, turned] =
             [Posture { level: 0, turn: Some(0) }, Posture { level: 0, turn: None }].map(|posture| {
@@ -119,7 +124,7 @@ impl<'a> Frame<'a> {
                 turned: turned_one,
                 patch,
             };
-            if is_single && self.is_determined(&landmark) {
+            if is_single && self.is_determined(&landmark) && is_wanted(position_px) {
                 landmarks.push(landmark);
             }
         }

@@ -191,7 +191,8 @@ mod tests {
         // With a map, pictures that tell nothing are doubtful.
         scene.localizer.methods = vec![MethodName::MappedLandmarks];
         let (landmarks, looks) = (Vec::new(), Vec::new());
-        let known = LandmarkMap { room_m: [5.0; 2], relies_on: Vec::new(), landmarks, looks };
+        let (views, true_eyes) = (Default::default(), Vec::new());
+        let known = LandmarkMap { room_m: [5.0; 2], relies_on: Vec::new(), landmarks, looks, views, true_eyes };
         scene.localizer.mapped_landmarks.get_or_insert_default().known = Some(known);
         let doubts = of(&scene, &found);
         assert!(doubts.len() == 2 && doubts[0].contains("`mapped_landmarks` learns nothing"), "{doubts:?}");

@@ -184,7 +184,7 @@ impl Taken {
         let pose = [second.place_m[0], second.place_m[1], second.heading_rad].map(|at| Interval::centred(at, 0.01));
         let mut searched = Searched::default();
         second.finder().search(
-            &mut Album::of(&self.points, &self.looks),
+            &mut Album::of(&self.points, &self.looks, None),
             &mut Frame::new(&picture, &bounds),
             &PoseBox::from(pose),
             SIZE_PX.map(f64::from),
@@ -239,7 +239,7 @@ fn the_ray_to_a_landmark_is_within_the_one_that_is_told_at_a_small_part_of_the_c
 fn gone(is_later: bool, n_pictures: u32, shift_m: [f64; 2]) -> Vec<(f64, Option<f64>)> {
     let taken = Taken::by_first_camera();
     let eye = Eye { place_m: [0.0, 0.0, 0.3], focal_px: FOCAL_PX, is_later, ..Eye::default() };
-    let known = KnownLandmarks { points: &taken.points, looks: &taken.looks };
+    let known = KnownLandmarks { points: &taken.points, looks: &taken.looks, views: None };
     let mut method = PicturedLandmarks::new(eye.model(), &robot(), known, Learning::Never, Declared::default());
     for step in 0..n_pictures {
         let along = f64::from(step) / f64::from(n_pictures) - 0.5;

@@ -53,7 +53,13 @@ fn the_bounds_of_a_pose_tell_by_how_much_its_lines_of_sight_may_pass() {
     // The wall is 3 m away. A camera that looks along x sees what is 100 px to the left of its middle and 75 px above at a metre to the left and 0.75 m up.
     let eye = Eye { place_m: [0.0, 0.2, 0.3], heading_rad: 0.0, focal_px: 300.0, ..Eye::default() };
     let taken = Taken::by_first_camera();
-    let sight = Sight { landmark: LandmarkId(0), point: taken.points[0].1, at_px: [59.5, 44.5], error_px: [0.3, 0.6] };
+    let sight = Sight {
+        landmark: LandmarkId(0),
+        point: taken.points[0].1,
+        at_px: [59.5, 44.5],
+        error_px: [0.3, 0.6],
+        view: None,
+    };
     let pose =
         PoseBox::from([Interval::centred(0.0, 0.03), Interval::centred(0.2, 0.04), Interval::centred(0.0, 0.02)]);
     let one = Bearing::of(&sight, &pose, &eye.finder().optics);
@@ -125,7 +131,7 @@ fn sightings_of_a_landmark_are_kept_from_different_places_and_not_too_many() {
     let mut whereabouts = whereabouts(&[([0.5, 3.0, 1.2], Vec::new())]);
     let optics = Eye { place_m: [0.0, 0.0, 0.3], focal_px: 300.0, ..Eye::default() }.finder().optics;
     let point = whereabouts.missing[&LandmarkId(0)].point;
-    let sight = Sight { landmark: LandmarkId(0), point, at_px: [59.5, 44.5], error_px: [0.3; 2] };
+    let sight = Sight { landmark: LandmarkId(0), point, at_px: [59.5, 44.5], error_px: [0.3; 2], view: None };
     let n_kept = |whereabouts: &mut Whereabouts, x_m: f64| {
         whereabouts.keep(&[&sight], &PoseBox::from([x_m, 0.0, 0.0].map(Interval::point)), &optics);
         whereabouts.missing[&LandmarkId(0)].bearings.len()
@@ -141,7 +147,7 @@ fn a_landmark_is_searched_first_once_a_neighbour_was_found_elsewhere() {
     let mut whereabouts = whereabouts(&(0..14).map(|at| (place_m(at), Vec::new())).collect::<Vec<_>>());
     let optics = Eye { place_m: [0.0, 0.0, 0.3], focal_px: 300.0, ..Eye::default() }.finder().optics;
     let point = whereabouts.missing[&LandmarkId(13)].point;
-    let sight = Sight { landmark: LandmarkId(13), point, at_px: [59.5, 44.5], error_px: [0.3; 2] };
+    let sight = Sight { landmark: LandmarkId(13), point, at_px: [59.5, 44.5], error_px: [0.3; 2], view: None };
     let pose = PoseBox::from([Interval::ZERO; 3]);
     whereabouts.keep(&[&sight], &pose, &optics);
     let seen =

@@ -54,7 +54,10 @@ fn shown(draw: &mut Draw) -> Shown {
             }
             if number != RARE || step < 2 {
                 let point = album.point(number).unwrap();
-                drive.note(stamp_s, &[Sight { landmark: number, point, at_px, error_px: [truth.camera.error_px; 2] }]);
+                drive.note(
+                    stamp_s,
+                    &[Sight { landmark: number, point, at_px, error_px: [truth.camera.error_px; 2], view: None }],
+                );
             }
         }
         poses.push((stamp_s, pose));
