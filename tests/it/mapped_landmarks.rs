@@ -260,6 +260,10 @@ fn maps_and_scenes_that_do_not_fit_are_refused_with_exit_code_2() {
     };
     let teach = ["teach", "teach.toml", "--map", "map.json"];
     refused(
+        &[&teach[..], &["--set", "localizer.methods=[\"mapped_landmarks\"]"]].concat(),
+        &["teach.toml", "`localizer.methods`", "expected a teacher beside `mapped_landmarks`"],
+    );
+    refused(
         &[&teach[..], &["--set", "localizer.methods=[\"gnss_positions\"]"]].concat(),
         &["localizer.methods", "mapped_landmarks"],
     );

@@ -49,6 +49,13 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
             expected: "`mapped_landmarks` among them",
         });
     }
+    if file.scene.localizer.methods == [MethodName::MappedLandmarks] {
+        return Err(CommandError::TeachesNothing {
+            scene: file.path.clone(),
+            key: "localizer.methods",
+            expected: "a teacher beside `mapped_landmarks`, such as `gnss_positions`, `ceiling_markers` or `floor_tiles`",
+        });
+    }
     if !setup.learns {
         return Err(CommandError::TeachesNothing {
             scene: file.path.clone(),

@@ -113,12 +113,15 @@ fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
     let began = Instant::now();
     let known = landmark_map::read(&folder.join(map)).map_err(|error| refused(format!("failed to {error}")))?;
     let reading_s = began.elapsed().as_secs_f64();
+    if known.landmarks.is_empty() {
+        return Err(refused(format!("{map} has no landmark, expected a map that `wherein teach` has written")));
+    }
     if known.room_m != room_m {
         let expected =
             format!("{map} is of a room of {:?} m, expected a map of this room of {room_m:?} m", known.room_m);
         return Err(refused(expected));
     }
-    if in_pictures == known.looks.is_empty() && !known.landmarks.is_empty() {
+    if in_pictures == known.looks.is_empty() {
         let [taught, wanted] = if in_pictures { ["point", "forward"] } else { ["forward", "point"] };
         return Err(refused(format!(
             "{map} was taught by a {taught} camera, expected a map taught by a {wanted} camera"

@@ -21,7 +21,8 @@ pub struct MappedLandmarksSetup {
     /// together. Without effect where `learns` is false.
     pub teaches: bool,
     /// For landmarks that are seen in pictures of the forward camera: greatest share of a picture's sightings that may be false, as where something
-    /// else looks like the landmark, or where the landmark is not where the map has it. Unless given, it is 0.05.
+    /// else looks like the landmark, or where the landmark is not where the map has it. Unless given, it is 0.05. The number is
+    /// rounded down: with the eighteen sightings at most that are used, a share below 0.056 adds none to `wrong_items`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_share: Option<f64>,

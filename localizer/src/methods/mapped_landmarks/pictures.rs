@@ -100,8 +100,8 @@ pub struct Declared {
 }
 
 impl Default for Declared {
-    /// Defaults for a furnished room. The quotas are far above the false sightings of that of `scenes/landmarks/room_repeat.toml`, of which 6 in 17 275
-    /// were false: other rooms show more that looks alike.
+    /// Defaults for a furnished room. Of the sightings of `scenes/landmarks/room_repeat.toml` a few in a thousand are false at most. Up to eighteen
+    /// sightings of a picture are used, so that the share, which is rounded down, adds none to the one that is declared.
     fn default() -> Self {
         Declared { wrong_share: 0.05, wrong_items: 1, least_depth_m: 0.4 }
     }
