@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 
 use interval::{
     Interval,
-    linear_program::{LinearProgram, Solver, Terms, certified_maximum, certified_minimum},
+    linear_program::{LinearProgram, ProgramError, Solver, Terms, certified_maximum, certified_minimum},
 };
 
 use crate::PoseBox;
@@ -122,7 +122,7 @@ impl DespiteWrong {
 }
 
 /// All choices of `most` of the numbers below `n`.
-fn choices(n: usize, most: usize) -> Vec<Vec<usize>> {
+pub(crate) fn choices(n: usize, most: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
     for _ in 0..most {
         let longer = |choice: &Vec<usize>| {
@@ -227,7 +227,7 @@ fn program(domain: &Domain, variables: &[Variable], items: &[&[Row]], most_wrong
         let mut terms = terms?;
         let sides = row.sides;
         if n_switches == 0 {
-            program.add_row(&terms, sides).ok()?;
+            add(&mut program, &terms, sides)?;
             continue;
         }
         let range = range(row, domain);
@@ -237,19 +237,27 @@ fn program(domain: &Domain, variables: &[Variable], items: &[&[Row]], most_wrong
         let last = terms.len() - 1;
         if above > 0.0 {
             terms[last].1 = -above;
-            program.add_row(&terms, Interval::new((Interval::point(range.lo()) - above).lo(), sides.hi())).ok()?;
+            add(&mut program, &terms, Interval::new((Interval::point(range.lo()) - above).lo(), sides.hi()))?;
         }
         if below > 0.0 {
             terms[last].1 = below;
-            program.add_row(&terms, Interval::new(sides.lo(), (Interval::point(range.hi()) + below).hi())).ok()?;
+            add(&mut program, &terms, Interval::new(sides.lo(), (Interval::point(range.hi()) + below).hi()))?;
         }
     }
     if n_switches > 0 {
         let all: Vec<(usize, f64)> = (variables.len()..variables.len() + n_switches).map(|at| (at, 1.0)).collect();
         let all: &Terms = &all;
-        program.add_row(all, Interval::new(0.0, most_wrong as f64)).ok()?;
+        add(&mut program, all, Interval::new(0.0, most_wrong as f64))?;
     }
     Some(program)
+}
+
+/// Adds a row to a program; `None` where nothing can satisfy it. A row whose coefficients are no finite numbers says nothing, and is left out.
+fn add(program: &mut LinearProgram, terms: &Terms, sides: Interval) -> Option<()> {
+    match program.add_row(terms, sides) {
+        Err(ProgramError::EmptyRow { .. }) => None,
+        Ok(_) | Err(_) => Some(()),
+    }
 }
 
 #[cfg(test)]
@@ -351,6 +359,16 @@ mod tests {
                 assert!(found.inflate(1e-9).contains(dot(function)), "round {round}: {found} {}", dot(function));
             }
         }
+    }
+
+    #[test]
+    fn a_row_that_no_program_takes_says_nothing_and_one_without_sides_excludes_all() {
+        let mut program = LinearProgram::new(vec![Interval::new(-1.0, 1.0)]).unwrap();
+        assert_eq!(add(&mut program, &[(0, f64::NAN)], Interval::ONE), Some(()));
+        assert_eq!(program.n_rows(), 0);
+        assert_eq!(add(&mut program, &[(0, 1.0)], Interval::ONE), Some(()));
+        assert_eq!(program.n_rows(), 1);
+        assert_eq!(add(&mut program, &[(0, 1.0)], Interval::EMPTY), None);
     }
 
     #[test]

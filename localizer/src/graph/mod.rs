@@ -28,7 +28,7 @@ mod way;
 mod width;
 
 pub use conflict::{Conflict, ConflictSearch};
-pub(crate) use despite_wrong::DespiteWrong;
+pub(crate) use despite_wrong::{DespiteWrong, choices};
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
