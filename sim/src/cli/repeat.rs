@@ -36,6 +36,9 @@ errors and another camera than that of the drive that has learnt the map; its ro
 
 /// Runs the scenes with the map.
 pub(super) fn repeat(mut arguments: RepeatArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
+    if let Some(subject) = arguments.run.tested.other() {
+        return Err(CommandError::KnowsNoMap { command: "repeat a drive by a map", subject });
+    }
     // A file that is no map is refused by its own name, before any scene is read.
     landmark_map::read(&arguments.map)?;
     let methods = MethodName::MappedLandmarks;

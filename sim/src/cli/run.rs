@@ -38,7 +38,7 @@ pub(super) struct RunArguments {
     #[command(flatten)]
     pub(super) which: ScenesAndSeeds,
     #[command(flatten)]
-    tested: Tested,
+    pub(super) tested: Tested,
     /// Run other methods on the same readings too, to compare with: the papers' own and what a careful engineer would use. Their time is not counted
     /// in the speed. Without this option only odometry is run, and what the scene's [expect] names.
     #[arg(long)]

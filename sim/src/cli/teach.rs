@@ -1,6 +1,10 @@
 //! `wherein teach`: a drive that learns where landmarks are, and a map of them for later drives.
 
-use std::{fs, io, path::PathBuf, process::ExitCode};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::Args;
 use serde_json::Value;
@@ -35,6 +39,9 @@ Exit code: 0 the map is written; 1 no map is written, as the drive did not meet 
 
 /// Runs the scene and keeps the map that its localizer has learnt.
 pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
+    if let Some(subject) = arguments.run.tested.other() {
+        return Err(CommandError::KnowsNoMap { command: "teach a map", subject });
+    }
     let files = arguments.run.which.load()?;
     let [file] = &files[..] else { return Err(CommandError::SeveralTaught(files.len())) };
     let seeds = arguments.run.which.seeds();
@@ -66,6 +73,8 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
     if arguments.map.is_dir() {
         return Err(CommandError::Unwritable(arguments.map, io::ErrorKind::IsADirectory.into()));
     }
+    // Folders that were made for a map which is not written are removed again.
+    let _made = MissingFolders::of(&arguments.map);
     prepare_for(&arguments.map)?;
     arguments.run.which.set.push("localizer.mapped_landmarks.teaches=true".parse().map_err(CommandError::Setting)?);
     let outcome = run_scenes(&arguments.run, adapter)?;
@@ -97,6 +106,23 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
         boxes_in_words(&summary["metrics"])
     ))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The folders of a file that do not exist; those that are empty when this is dropped are removed.
+struct MissingFolders(Vec<PathBuf>);
+
+impl MissingFolders {
+    fn of(file: &Path) -> MissingFolders {
+        let folders = file.ancestors().skip(1).take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+        MissingFolders(folders.map(Path::to_owned).collect())
+    }
+}
+
+impl Drop for MissingFolders {
+    fn drop(&mut self) {
+        // A folder with something in it stays: that it cannot be removed is as it should be.
+        self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
 }
 
 /// A sentence on how large the boxes of the map's landmarks are, by the figures of the drive; empty where it has none.

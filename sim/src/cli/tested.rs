@@ -27,6 +27,11 @@ impl Tested {
         self.choice_or(&SubjectChoice::default())
     }
 
+    /// The localizer under test as it is named, if it is another than the project's own.
+    pub(super) fn other(&self) -> Option<String> {
+        self.subject.as_ref().filter(|choice| **choice != SubjectChoice::Intervals).map(|choice| choice.to_string())
+    }
+
     /// The localizer under test, which is `stated` unless the command line names one.
     pub(super) fn choice_or(&self, stated: &SubjectChoice) -> SubjectChoice {
         match self.subject.as_ref().unwrap_or(stated) {

@@ -105,6 +105,12 @@ fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
                 .to_owned(),
         });
     }
+    if setup.teaches && !setup.learns {
+        return Err(Contradiction {
+            key: "localizer.mapped_landmarks.teaches".to_owned(),
+            expected: "a drive that learns nothing teaches nothing, expected false, or `learns = true`".to_owned(),
+        });
+    }
     let Some(map) = &setup.map else { return Ok(()) };
     // A whole path needs no folder.
     let folder = folder.or(Path::new(map).is_absolute().then_some(Path::new("/")));

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use super::contradiction::Contradiction;
 use crate::{
     place::building::GroundPlan,
-    scene::{Event, Scene, conform::nearest},
+    scene::{Event, MethodName, Scene, conform::nearest},
 };
 
 /// Steepest ramp at the edge of a carpet. Rubber of friction 0.8 holds on this slope, and wheels keep their load.
@@ -181,8 +181,10 @@ fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
     let stated = scene.localizer.methods.iter().filter(|_| scene.localizer.states_methods);
     for (method, device) in stated.filter_map(|method| Some((method, scene.robot.lacks(*method)?))) {
         let name = serde_json::to_value(method).unwrap_or_default();
+        // Landmarks are read from either of two cameras.
+        let first = if *method == MethodName::MappedLandmarks { "`robot.forward_camera` or " } else { "" };
         let expected =
-            format!("`{}` among them, expected `{device}` for it to read", name.as_str().unwrap_or_default());
+            format!("`{}` among them, expected {first}`{device}` for it to read", name.as_str().unwrap_or_default());
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
     let methods = &scene.localizer.methods;

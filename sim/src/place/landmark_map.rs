@@ -134,8 +134,11 @@ fn version_of(map: &LandmarkMap) -> u64 {
 
 /// Reads a map's file.
 pub fn read(path: &Path) -> Result<LandmarkMap, MapError> {
-    let text = fs::read_to_string(path).map_err(|source| MapError::Unreadable { path: path.to_owned(), source })?;
-    parse(&text).map_err(|expected| MapError::Invalid { path: path.to_owned(), expected })
+    let invalid = |expected| MapError::Invalid { path: path.to_owned(), expected };
+    let expected = "expected a file that `wherein teach` has written";
+    let bytes = fs::read(path).map_err(|error| invalid(format!("{error}, {expected}")))?;
+    let text = String::from_utf8(bytes).map_err(|_| invalid(format!("it is no text in UTF-8, {expected}")))?;
+    parse(&text).map_err(invalid)
 }
 
 /// The map that a text states, or what was expected instead.
