@@ -4,6 +4,7 @@
 
 mod seen_again;
 mod space_point;
+mod things;
 mod views;
 
 use interval::Interval;
@@ -12,6 +13,7 @@ use crate::markers::{Coding, MarkerId};
 
 pub use seen_again::SeenAgain;
 pub use space_point::{Anchor, SpacePoint};
+pub(crate) use things::things;
 pub use views::{ViewCamera, ViewPicture, ViewSight, Views};
 
 /// Map of a room and its floor, as surveyed.

@@ -266,6 +266,8 @@ pub enum Claim {
         half_width_px: [f64; 2],
         /// Where a picture of the drive that taught the map is claimed to show the same point.
         view: Option<ViewSight>,
+        /// The thing that the landmark is on, such as a painting, if the map tells; by a number of its own.
+        thing: Option<u32>,
     },
     /// A claim that an upright edge of a mapped wall was seen: at least one of the given image lines is, within its bound, the image of at least one
     /// of the given edges of the map, where that truly stands.

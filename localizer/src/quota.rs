@@ -7,6 +7,9 @@
 pub struct Quota {
     /// Greatest number of the reading's claims that may be false, not counting claims about upright edges.
     pub items: usize,
+    /// Greatest number of things, such as paintings or shelves, of which all claims may be false in addition, as where they have moved since they were
+    /// mapped. Claims about landmarks in space say on which thing the landmark is.
+    pub things: usize,
     /// Greatest number of the reading's claims about upright edges that may be false. If more of them are false, the lean of robot and camera that
     /// was found from the upright edges is wrong, and no claim of the reading counts as true.
     pub upright: usize,
@@ -43,7 +46,7 @@ pub enum Counting {
 impl Quota {
     /// The quota for a method that makes at most `items` false claims for each reading; every reading is counted by itself.
     pub fn of_each(items: usize) -> Quota {
-        Quota { items, upright: 0, counting: Counting::Alone }
+        Quota { items, things: 0, upright: 0, counting: Counting::Alone }
     }
 }
 

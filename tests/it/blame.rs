@@ -337,7 +337,7 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
 /// `items` false claims, none of them about an upright edge; `counting` says how its claims are counted together with those of all images before it.
 fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting: Counting) {
     let image = image(record, Vec::new());
-    let quota = Quota { items, upright: 0, counting };
+    let quota = Quota { items, things: 0, upright: 0, counting };
     let (camera, alone_heading_rad) = (Some(Camera::Forward), Some(Interval::ZERO));
     record.images.push(ImageRecord { camera, method: "wall_directions", claims, quota, alone_heading_rad, ..image });
 }

@@ -214,6 +214,7 @@ impl WallBearings {
             claims: sightings.iter().map(claim).collect(),
             quota: Quota {
                 items: quotas.wrong_of(sightings.len()),
+                things: 0,
                 upright: 0,
                 counting: Counting::Together { of: IMAGES, share, more, readings: IMAGES },
             },

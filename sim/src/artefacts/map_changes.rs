@@ -20,6 +20,8 @@ pub(crate) struct Changed {
     pub(crate) at_m: [f64; 3],
     /// Where it was found instead.
     pub(crate) now_m: Option<[f64; 3]>,
+    /// Whether it is still seen, so near to its old place that no other is known.
+    pub(crate) is_beside: bool,
 }
 
 /// Neighbouring landmarks that are no longer where the map has them.
@@ -37,6 +39,9 @@ pub struct Change {
     pub moved_m: Option<f64>,
     /// Number of those that were found there.
     pub n_moved: usize,
+    /// Whether they are still seen, a little beside their places on the map.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub beside: bool,
 }
 
 /// The changes that some landmarks tell of, those of the most landmarks first. Landmarks have moved together if they are neighbours in both places. One
@@ -59,7 +64,7 @@ pub(crate) fn changes(changed: &[Changed]) -> Vec<Change> {
             None => apart.push(one),
         }
     }
-    groups.extend(grouped(&apart, near));
+    groups.extend(grouped(&apart, |one, other| one.is_beside == other.is_beside && near(one, other)));
     let mut changes: Vec<Change> = groups.iter().map(|group| Change::of(group)).collect();
     changes.sort_by(|a, b| b.landmarks.len().cmp(&a.landmarks.len()).then(a.landmarks.cmp(&b.landmarks)));
     changes
@@ -75,7 +80,8 @@ impl Change {
         let mut landmarks: Vec<u32> = group.iter().map(|one| one.number).collect();
         landmarks.sort_unstable();
         let moved_m = to_m.map(|to_m| distance_m(from_m, to_m));
-        Change { landmarks, from_m, to_m, moved_m, n_moved: now_m.len() }
+        let beside = now_m.is_empty() && group.iter().all(|one| one.is_beside);
+        Change { landmarks, from_m, to_m, moved_m, n_moved: now_m.len(), beside }
     }
 
     /// The change in words, with its number of landmarks.
@@ -92,6 +98,7 @@ impl Change {
                     around(to_m)
                 )
             }
+            _ if self.beside => format!("{n} {seem} to have moved a little, around {from}"),
             _ => format!("{n} {seem} to have gone from around {from}"),
         }
     }
@@ -129,7 +136,7 @@ mod tests {
     use super::*;
 
     fn changed(number: u32, at_m: [f64; 3], now_m: Option<[f64; 3]>) -> Changed {
-        Changed { number, at_m, now_m }
+        Changed { number, at_m, now_m, is_beside: false }
     }
 
     #[test]
@@ -171,6 +178,18 @@ mod tests {
         );
         assert_eq!(told[0].landmarks, [1, 3, 4]);
         assert!(changes(&[]).is_empty());
+    }
+
+    #[test]
+    fn what_is_seen_beside_its_place_is_told_apart_from_what_has_gone() {
+        let beside = |number: u32, x_m: f64| Changed { is_beside: true, ..changed(number, [x_m, 0.0, 1.0], None) };
+        let told = changes(&[beside(1, 2.0), beside(2, 2.4), changed(3, [2.2, 0.0, 1.0], None)]);
+        assert_eq!(told[0].in_words(), "2 seem to have moved a little, around x 2.2 m, y 0.0 m, z 1.0 m");
+        assert_eq!(told[1].in_words(), "1 seems to have gone from around x 2.2 m, y 0.0 m, z 1.0 m");
+        // Beside others that were found elsewhere, it has moved with them.
+        let far = |number: u32, x_m: f64| changed(number, [x_m, 0.0, 1.0], Some([x_m, 3.0, 1.0]));
+        let told = changes(&[far(1, 2.0), far(2, 2.2), beside(3, 2.4)]);
+        assert_eq!((told.len(), told[0].landmarks.len(), told[0].beside), (1, 3, false));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What a drive tells of the landmarks of its map: which were seen again, and which are gone, as far as that is known.
 
+use std::collections::BTreeSet;
+
 use localizer::reading::LandmarkId;
 use serde::Serialize;
 use serde_json::Value;
@@ -13,6 +15,8 @@ use super::map_changes::{Change, Changed, changes};
 const VAGUE_M: f64 = 1.0;
 /// Least number of landmarks of a change that is told in words: a few are easily hidden.
 const FEWEST_TOLD: usize = 2;
+/// Least number of landmarks that were looked for with which few that were seen again tell that the map may be of another place.
+const MANY: u64 = 20;
 /// Greatest number of changes that are told in words.
 const MOST_TOLD: usize = 6;
 
@@ -42,6 +46,8 @@ pub struct Gone {
     pub found: usize,
     /// Number of pictures in which it was found at that other place.
     pub elsewhere: usize,
+    /// Number of pictures that contradict the place of the thing that it is on, although it is seen near it.
+    pub displaced: usize,
     /// Number of pictures in which it was missed near the place from which it was first seen.
     pub missed: usize,
     /// Number of pictures in which it was missed from wherever.
@@ -65,12 +71,19 @@ impl MapSeen {
                 now_m: one.now_m,
                 found: one.n_found,
                 elsewhere: one.n_elsewhere,
+                displaced: one.n_displaced,
                 missed: one.n_missed,
                 absent: one.n_absent,
             })
         });
         let gone: Vec<Gone> = gone.collect();
-        let changed = |one: &Gone| Changed { number: one.number, at_m: one.at_m, now_m: one.now_m };
+        let beside: BTreeSet<u32> = sought.iter().filter(|one| one.is_displaced()).map(|one| one.landmark.0).collect();
+        let changed = |one: &Gone| Changed {
+            number: one.number,
+            at_m: one.at_m,
+            now_m: one.now_m,
+            is_beside: beside.contains(&one.number),
+        };
         (!sought.is_empty()).then(|| MapSeen {
             looked_for: sought.len(),
             seen_again: sought.iter().filter(|one| one.n_found > 0 && !one.is_gone()).count(),
@@ -90,6 +103,9 @@ pub fn in_words(summary: &Value) -> Option<String> {
         number("looked_for"),
         number("seen_again")
     );
+    // By a map of another place, a few are found all the same: much looks alike.
+    let is_elsewhere = number("looked_for") >= MANY && 2 * number("seen_again") < number("looked_for");
+    let counts = if is_elsewhere { format!("{counts}, which are few: is it a map of this place?") } else { counts };
     if changes.is_empty() {
         return Some(format!("{counts}; none seems to have gone."));
     }
@@ -97,8 +113,10 @@ pub fn in_words(summary: &Value) -> Option<String> {
     let told: Vec<&Change> = changes.iter().filter(is_told).take(MOST_TOLD).collect();
     let mut parts: Vec<String> = told.iter().map(|change| change.in_words()).collect();
     let others: usize = changes.iter().skip(told.len()).map(|change| change.landmarks.len()).sum();
-    let (seem, others_told) = if others == 1 { ("seems", "1 other") } else { ("seem", &*format!("{others} others")) };
-    parts.extend((others > 0).then(|| format!("{others_told} {seem} to have gone or moved, here and there")));
+    let (seem, s) = if others == 1 { ("seems", "") } else { ("seem", "s") };
+    // Where nothing was told before, these are no others.
+    let who = if told.is_empty() { format!("{others}") } else { format!("{others} other{s}") };
+    parts.extend((others > 0).then(|| format!("{who} {seem} to have gone or moved, here and there")));
     Some(format!("{counts}; {}.", parts.join("; ")))
 }
 
@@ -126,7 +144,15 @@ mod tests {
         let many: Vec<Value> = (0..8).map(|at| change(&[2 * at, 2 * at + 1], f64::from(at))).collect();
         let told = in_words(&seen(json!(many))).unwrap();
         assert!(told.contains("x 5.0 m") && !told.contains("x 6.0 m") && told.contains("; 4 others seem to"), "{told}");
+        let told = in_words(&seen(json!([change(&[9], 4.0)]))).unwrap();
+        assert!(told.ends_with("15 were seen again; 1 seems to have gone or moved, here and there."), "{told}");
         assert!(in_words(&seen(json!([]))).unwrap().ends_with("15 were seen again; none seems to have gone."));
         assert_eq!(in_words(&json!({})), None);
+        let few = json!({ "map_seen": { "looked_for": 136, "seen_again": 36, "changes": [] } });
+        assert_eq!(
+            in_words(&few).unwrap(),
+            "Of 136 landmarks of the map that should have been in view, 36 were seen again, which are few: is it a map of this place?; none seems to \
+             have gone."
+        );
     }
 }

@@ -23,7 +23,7 @@ use serde::Serialize;
 
 use crate::{
     devices,
-    judge::{is_true, wholly_in_view},
+    judge::{is_true, of_most_things, wholly_in_view},
     place::{building::UprightBody, sight::Obstacles},
     render::{RenderError, Renderer},
     run::sensors::{
@@ -235,12 +235,12 @@ impl Look {
 
 /// Greatest number of a picture's claims that may be false by the quota of its constraint, if no other picture counts.
 fn allowed(constraint: &Constraint) -> usize {
-    let Quota { items, upright, counting } = constraint.quota;
+    let Quota { items, things, upright, counting } = constraint.quota;
     let together = match counting {
         Counting::Alone | Counting::Readings { .. } => 0,
         Counting::Together { share, more, .. } => share_of(share, constraint.claims.len()) + more,
     };
-    upright + items.max(together)
+    upright + items.max(together) + of_most_things(constraint.claims.iter(), things)
 }
 
 fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {

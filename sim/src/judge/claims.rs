@@ -23,12 +23,17 @@ pub(crate) struct FalseClaims {
     pub(super) upright: usize,
     /// False claims of all kinds but upright edges.
     pub(super) others: usize,
+    /// Those of them that are about landmarks on things of which the image's quota allows all claims to be false.
+    pub(super) of_things: usize,
 }
 
 impl FalseClaims {
     pub(super) fn of(scene: &Scene, record: &RunRecord, image: &ImageRecord) -> Self {
-        let mut found = FalseClaims::default();
-        for claim in image.claims.iter().filter(|claim| !is_true(claim, scene, &record.drawn, &image.truth)) {
+        let is_false = |claim: &&Claim| !is_true(claim, scene, &record.drawn, &image.truth);
+        let all: Vec<&Claim> = image.claims.iter().filter(is_false).collect();
+        let of_things = of_most_things(all.iter().copied(), image.quota.things);
+        let mut found = FalseClaims { of_things, ..FalseClaims::default() };
+        for claim in all {
             match claim {
                 Claim::UprightLine { .. } => found.upright += 1,
                 _ => found.others += 1,
@@ -40,6 +45,19 @@ impl FalseClaims {
     pub(super) fn total(self) -> usize {
         self.upright + self.others
     }
+}
+
+/// Number of some claims about so many things: about those of which most are.
+pub(crate) fn of_most_things<'a>(claims: impl Iterator<Item = &'a Claim>, n_things: usize) -> usize {
+    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    for claim in claims {
+        if let Claim::SpacePoint { thing: Some(thing), .. } = claim {
+            *counts.entry(*thing).or_default() += 1;
+        }
+    }
+    let mut counts: Vec<usize> = counts.into_values().collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    counts.iter().take(n_things).sum()
 }
 
 /// Whether a claim about an image taken at the true state `truth` holds.
@@ -224,4 +242,26 @@ fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnCam
     let origin = world_from_camera * Point3::origin();
     let place = origin - direction * (origin.z / direction.z);
     (direction.z < 0.0).then(|| place.xy())
+}
+
+#[cfg(test)]
+mod tests {
+    use localizer::map::{Anchor, SpacePoint};
+
+    use super::*;
+
+    #[test]
+    fn of_claims_about_things_those_about_the_most_claimed_ones_are_counted() {
+        let anchor = Anchor { from_m: [0.0; 3], axis: 0, is_positive: true };
+        let on = |thing: Option<u32>| Claim::SpacePoint {
+            landmark: LandmarkId(1),
+            point: SpacePoint { anchor, value: [Interval::ZERO; 3] },
+            at_px: [0.0; 2],
+            half_width_px: [0.5; 2],
+            view: None,
+            thing,
+        };
+        let claims = [Some(7), None, Some(2), Some(7), Some(4), Some(2), Some(7), None].map(on);
+        assert_eq!([0, 1, 2, 3, 4].map(|n| of_most_things(claims.iter(), n)), [0, 3, 5, 6, 6]);
+    }
 }

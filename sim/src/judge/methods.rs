@@ -59,7 +59,7 @@ pub(crate) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims
 pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
     let held = held_claims(record, judged);
     let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| {
-        let too_many = judged.others > image.quota.items;
+        let too_many = judged.others - judged.of_things > image.quota.items;
         match (image.quota.counting, held) {
             (Counting::Alone, _) => too_many,
             (_, None) => false,
@@ -89,7 +89,7 @@ impl HeldClaims {
     /// Counts for one image alone, which has `all` claims besides those of upright edges.
     fn of(all: usize, quota: &Quota, judged: FalseClaims) -> Self {
         let wrong = if judged.upright > quota.upright { all } else { judged.others };
-        let [spoilt, misread] = [wrong > 0, judged.others > quota.items].map(usize::from);
+        let [spoilt, misread] = [wrong > 0, judged.others - judged.of_things > quota.items].map(usize::from);
         HeldClaims { all, wrong, spoilt, misread }
     }
 }
@@ -127,9 +127,9 @@ mod tests {
     fn without_a_right_lean_no_claim_of_an_image_is_right() {
         // Worked out by hand: the quota allows one wrong upright edge. With two of them wrong all six other claims of the image count as wrong,
         // otherwise only the two that are false.
-        let quota = Quota { items: 2, upright: 1, counting: Counting::Readings { of: 1, most: 2 } };
+        let quota = Quota { items: 2, things: 0, upright: 1, counting: Counting::Readings { of: 1, most: 2 } };
         for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
-            assert_eq!(HeldClaims::of(6, &quota, FalseClaims { upright, others: 2 }).wrong, wrong);
+            assert_eq!(HeldClaims::of(6, &quota, FalseClaims { upright, others: 2, of_things: 0 }).wrong, wrong);
         }
     }
 }

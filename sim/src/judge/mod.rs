@@ -22,6 +22,7 @@ mod verdict;
 
 pub use bounds::{violations, watched};
 pub(crate) use claims::joint_claimed;
+pub(crate) use claims::of_most_things;
 pub use claims::{is_true, wall_line_deg};
 pub use distribution::{corridor, of_steps as judge_distributions};
 pub use errands::{distance_to_way_m, true_distance_m};

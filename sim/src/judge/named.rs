@@ -134,7 +134,14 @@ mod tests {
         let anchor = Anchor { from_m: [0.0, 0.0, 0.3], axis: 0, is_positive: true };
         let value = [0.0, 0.0, 0.5].map(|at| Interval::centred(at, 1e-9));
         let (landmark, point) = (LandmarkId(number), SpacePoint { anchor, value });
-        Claim::SpacePoint { landmark, point, at_px: [319.5 + off_px, 239.5], half_width_px: [0.5; 2], view: None }
+        Claim::SpacePoint {
+            landmark,
+            point,
+            at_px: [319.5 + off_px, 239.5],
+            half_width_px: [0.5; 2],
+            view: None,
+            thing: None,
+        }
     }
 
     /// A run of one second at rest, with a picture every tenth of a second that has two claims, and boxes that hold the truth until 0.5 s.

@@ -30,6 +30,12 @@ pub struct MappedLandmarksSetup {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 1000))]
     pub wrong_items: Option<usize>,
+    /// For landmarks that are seen in pictures of the forward camera: number of things, such as paintings or shelves, all of whose landmarks may be
+    /// elsewhere than the map has them, so that all of their sightings in a picture are false. Landmarks within 0.25 m of each other are on one thing. A
+    /// pose is then what the rest of a picture tells without any one of the things (or any two, and so on), and boxes are wider. Unless given, it is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 3))]
+    pub wrong_things: Option<usize>,
     /// For landmarks that are seen in pictures of the forward camera: least distance, along the direction of view, of a landmark that is seen for the
     /// first time. Nearer ones count as false sightings. The farther all is, the better landmarks are found again: 3 m suit a street. Unless given, it
     /// is 0.4 m.
@@ -59,6 +65,7 @@ impl Default for MappedLandmarksSetup {
             teaches: false,
             wrong_share: None,
             wrong_items: None,
+            wrong_things: None,
             least_depth_m: None,
             confused_share: None,
             known: None,
@@ -88,6 +95,7 @@ impl MappedLandmarksSetup {
         Declared {
             wrong_share: self.wrong_share.unwrap_or(usual.wrong_share),
             wrong_items: self.wrong_items.unwrap_or(usual.wrong_items),
+            wrong_things: self.wrong_things.unwrap_or(usual.wrong_things),
             least_depth_m: self.least_depth_m.unwrap_or(usual.least_depth_m),
         }
     }

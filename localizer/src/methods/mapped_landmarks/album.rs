@@ -18,7 +18,7 @@ use interval::{Interval, IntervalBox, contractor::q_intersection};
 use crate::{
     PoseBox,
     graph::{Relations, Variable, bounds_over},
-    map::{SpacePoint, ViewCamera, ViewPicture, ViewSight, Views},
+    map::{SpacePoint, ViewCamera, ViewPicture, ViewSight, Views, things},
     reading::LandmarkId,
     vision::point_features::{Landmark, Record, Refusal, Sighting},
 };
@@ -83,6 +83,8 @@ pub(super) struct Entry {
     /// What is known of its place.
     pub(super) point: SpacePoint,
     pub(super) record: Record,
+    /// The thing that it is on, if it is one of a map that tells.
+    pub(super) thing: Option<u32>,
     /// What was known of its place at first, and the stamp of the picture that showed it; before all time for a landmark of the map.
     first: SpacePoint,
     since_s: f64,
@@ -100,10 +102,12 @@ impl Album {
         views: Option<&Views>,
     ) -> Album {
         let mut album = Album { views: views.cloned().unwrap_or_default(), ..Album::default() };
+        let things = things(points);
         for (landmark, look) in looks {
             let of_it = |(known, _): &&(LandmarkId, SpacePoint)| known == landmark;
             if let Some(&(_, point)) = points.iter().find(of_it) {
-                album.entries.insert(*landmark, Entry::new(Arc::new(look.clone()), point, f64::NEG_INFINITY));
+                let entry = Entry::new(Arc::new(look.clone()), point, f64::NEG_INFINITY);
+                album.entries.insert(*landmark, Entry { thing: things.get(landmark).copied(), ..entry });
             }
         }
         album.n_numbers = points.iter().map(|(landmark, _)| landmark.0.saturating_add(1)).max().unwrap_or(0);
@@ -299,14 +303,24 @@ impl Album {
     pub(super) fn begin_anew(&mut self) {
         self.window.clear();
         for entry in self.entries.values_mut() {
-            *entry = Entry::new(Arc::clone(&entry.look), entry.point, f64::NEG_INFINITY);
+            let anew = Entry::new(Arc::clone(&entry.look), entry.point, f64::NEG_INFINITY);
+            *entry = Entry { thing: entry.thing, ..anew };
         }
     }
 }
 
 impl Entry {
     fn new(look: Arc<Landmark>, point: SpacePoint, since_s: f64) -> Entry {
-        Entry { look, point, record: Record::default(), first: point, since_s, told: Vec::new(), related: Vec::new() }
+        Entry {
+            look,
+            point,
+            record: Record::default(),
+            thing: None,
+            first: point,
+            since_s,
+            told: Vec::new(),
+            related: Vec::new(),
+        }
     }
 
     /// Whether the landmark is worth a place on a map.

@@ -44,6 +44,7 @@ struct Expected {
     landmark: LandmarkId,
     look: Arc<Landmark>,
     point: SpacePoint,
+    thing: Option<u32>,
     region_px: [Interval; 2],
     scale: Interval,
     n_failures: usize,
@@ -125,7 +126,7 @@ impl Finder {
             }
             searched.near_px.push(one.region_px.map(Interval::mid));
             if let Ok(sighting) = result {
-                self.take(one.landmark, one.point, &sighting, searched);
+                self.take(one.landmark, (one.point, one.thing), &sighting, searched);
             }
         }
     }
@@ -143,7 +144,7 @@ impl Finder {
         let search = Search::in_box(whole_px, scale, Interval::centred(0.0, TURN_RAD));
         for (landmark, entry) in album.searched().filter(|(_, entry)| entry.point.place_m().is_some()) {
             if let Ok(sighting) = frame.find(&entry.look, &search) {
-                self.take(landmark, entry.point, &sighting, searched);
+                self.take(landmark, (entry.point, entry.thing), &sighting, searched);
             }
         }
     }
@@ -156,25 +157,32 @@ impl Finder {
             let scale = Interval::point(one.size * one.look.enlargement(self.optics.camera.focal_px.mid()));
             let search = Search::in_box(whole_px, scale, Interval::centred(0.0, TURN_RAD));
             if let Ok(sighting) = frame.find(&one.look, &search) {
-                self.take(one.landmark, one.point, &sighting, &mut searched);
+                self.take(one.landmark, (one.point, None), &sighting, &mut searched);
             }
         }
         searched.sights
     }
 
     /// Takes a landmark that was found among the sightings.
-    fn take(&self, landmark: LandmarkId, point: SpacePoint, sighting: &Sighting, searched: &mut Searched) {
+    fn take(
+        &self,
+        landmark: LandmarkId,
+        (point, thing): (SpacePoint, Option<u32>),
+        sighting: &Sighting,
+        searched: &mut Searched,
+    ) {
         searched.near_px.push(sighting.position_px);
         let Some((at_px, error_px)) = self.lens.straightened(sighting.position_px, sighting.half_width_px) else {
             return;
         };
-        searched.sights.push(Sight { landmark, point, at_px, error_px, view: None });
+        searched.sights.push(Sight { landmark, point, at_px, error_px, view: None, thing });
         searched.claims.push(Claim::SpacePoint {
             landmark,
             point,
             at_px: sighting.position_px,
             half_width_px: sighting.half_width_px,
             view: None,
+            thing,
         });
     }
 
@@ -205,6 +213,7 @@ impl Finder {
                 landmark,
                 look,
                 point,
+                thing: entry.thing,
                 region_px,
                 scale,
                 n_failures,

@@ -6,7 +6,7 @@
 //!
 //! **Wrong sightings.** A sighting is true if a point of the landmark's box is seen within the claimed error, and false otherwise: where something
 //! else looks like the landmark, where the landmark is no point of a surface, as where one edge passes behind another, and where its box is wrong. Of
-//! the sightings of a picture a declared number may be false ([`Declared`]). Poses stay on which all others agree (`few_wrong`). No sighting is certain by
+//! the sightings of a picture a declared number may be false ([`Declared`]), and all of a number of things that may have moved. Poses stay on which all others agree (`few_wrong`). No sighting is certain by
 //! itself; what all of them together say of the pose becomes rows of the graph of key frames (`pose_rows`).
 //!
 //! **Anywhere.** Where the pose is known vaguely or not at all, landmarks are searched in the whole picture. Much is found then that only looks like
@@ -14,16 +14,19 @@
 //!
 //! **Learning.** Where few landmarks are seen, new ones are made of the picture's corners (`album`).
 
-use std::{collections::VecDeque, sync::Arc};
+use std::{
+    collections::{BTreeSet, VecDeque},
+    sync::Arc,
+};
 
 use interval::Interval;
 
 use crate::{
-    PoseBox, PoseUnion, Reading,
+    PoseBox, Reading,
     bounds::{self, Assumption},
-    graph::{Relations, Stray, Variable},
-    map::{SeenAgain, SpacePoint, Views},
-    method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
+    graph::{Relations, Stray},
+    map::{SpacePoint, Views},
+    method::{Claim, Constraint, Context, Memory, Method},
     quota::{Quota, share_of},
     reading::{Camera, LandmarkId},
     robot::{ForwardCameraModel, RobotModel},
@@ -35,7 +38,7 @@ use super::{
     album::Album,
     anywhere::{is_vague, may_be_seen},
     consensus::agreeing,
-    few_wrong::FewWrong,
+    few_wrong::{FewWrong, MostWrong},
     finding::{Finder, Searched},
     lens::PictureLens,
     pose_rows::{NearView, PoseRows},
@@ -45,9 +48,11 @@ use super::{
     spread::Spread,
     telling::most_telling,
     view,
-    whereabouts::Whereabouts,
+    whereabouts::{PART_OF_BOUNDS, Whereabouts},
     whole_drive::WholeDrive,
 };
+
+mod memory;
 
 /// Declared bounds that a constraint from landmarks in pictures relies on.
 const RELIES_ON: [Assumption; 12] = [
@@ -72,6 +77,8 @@ const MOST_USED: usize = 18;
 const VAGUE_M: f64 = 0.08;
 const VAGUE_RAD: f64 = 0.03;
 const FEWEST_FIRST: usize = 4;
+/// Number of things up to which the sightings that are used are spread evenly over those that a picture shows, where things may be wrong.
+const EVEN_THINGS: usize = 3;
 /// Greatest number of new landmarks that one picture is asked for.
 const MOST_NEW: usize = 30;
 /// Least distance, in pixels, of a new landmark from known ones, and of sightings that are used from each other: about the radius of a patch.
@@ -95,6 +102,8 @@ pub struct Declared {
     pub wrong_share: f64,
     /// Number of a picture's sightings that may be false in addition.
     pub wrong_items: usize,
+    /// Number of things of the map, such as paintings or shelves, of which all sightings of a picture may be false in addition, since they have moved.
+    pub wrong_things: usize,
     /// Least depth, in metres, with which a new landmark begins. A nearer one is outside of its box, and its sightings are false.
     pub least_depth_m: f64,
 }
@@ -103,14 +112,20 @@ impl Default for Declared {
     /// Defaults for a furnished room. Of the sightings of `scenes/landmarks/room_repeat.toml` a few in a thousand are false at most. Up to eighteen
     /// sightings of a picture are used, so that the share, which is rounded down, adds none to the one that is declared.
     fn default() -> Self {
-        Declared { wrong_share: 0.05, wrong_items: 1, least_depth_m: 0.4 }
+        Declared { wrong_share: 0.05, wrong_items: 1, wrong_things: 0, least_depth_m: 0.4 }
     }
 }
 
 impl Declared {
-    /// Greatest number of so many sightings that may be false.
-    fn wrong_of(&self, n_sightings: usize) -> usize {
-        share_of(self.wrong_share, n_sightings) + self.wrong_items
+    /// How many of so many sightings may be false.
+    fn wrong_of(&self, n_sightings: usize) -> MostWrong {
+        MostWrong { items: share_of(self.wrong_share, n_sightings) + self.wrong_items, things: self.wrong_things }
+    }
+
+    /// Greatest number of sightings of one thing that are used of a picture that shows so many things. Where things may be wrong, enough is to be left
+    /// without any of them.
+    fn most_of_thing(&self, n_things: usize) -> usize {
+        if self.wrong_things == 0 { MOST_USED } else { MOST_USED.div_ceil(n_things.clamp(1, EVEN_THINGS)) }
     }
 }
 
@@ -143,7 +158,7 @@ pub struct PicturedLandmarks {
     sought: Sought,
     whereabouts: Whereabouts,
     /// Recent pictures, from which constraints can be made anew: stamp, sightings, and how many of them may be false.
-    recent: VecDeque<(f64, Vec<Sight>, usize)>,
+    recent: VecDeque<(f64, Vec<Sight>, MostWrong)>,
 }
 
 /// What a picture showed, from which landmarks are still to be learnt.
@@ -161,6 +176,8 @@ struct LookedFor {
     /// Landmarks that the picture should show and does not, near where they were first seen from and from wherever.
     missed: Vec<LandmarkId>,
     absent: Vec<LandmarkId>,
+    /// The sightings that told the pose.
+    used: Option<FewWrong>,
 }
 
 impl PicturedLandmarks {
@@ -222,16 +239,30 @@ impl PicturedLandmarks {
     fn count(&mut self, shown: &PoseBox) {
         let Some(mut latest) = self.looked_for.take().filter(|_| !shown.is_empty()) else { return };
         let of_map = |landmark: &LandmarkId| self.album.is_of_map(*landmark);
+        let contradicting = latest.used.as_ref().map_or_else(Vec::new, |used| used.contradicting(shown));
+        let is_contradicting = |sight: &Sight| sight.thing.is_some_and(|thing| contradicting.contains(&thing));
+        // Whether a landmark is seen where it should be is told by the poses near the middle of the box, which are nearly always nearer to the truth.
+        let likely = PoseBox::from(
+            [0, 1, 2].map(|axis| Interval::centred(shown[axis].mid(), PART_OF_BOUNDS * shown[axis].radius())),
+        );
         let seen = latest.sights.iter().filter(|sight| of_map(&sight.landmark)).chain(&latest.in_whole);
         let (found, elsewhere): (Vec<&Sight>, Vec<&Sight>) =
-            seen.partition(|sight| may_be_seen(&self.finder.optics, sight, shown));
+            seen.partition(|sight| !is_contradicting(sight) && may_be_seen(&self.finder.optics, sight, &likely));
         self.whereabouts.keep(&elsewhere, shown, &self.finder.optics);
+        let displaced = elsewhere.iter().filter(|sight| is_contradicting(sight)).map(|sight| sight.landmark);
+        self.sought.count_displaced(displaced);
         let found: Vec<LandmarkId> = found.iter().map(|sight| sight.landmark).collect();
         // What was found in the whole picture where it should be was not absent.
         let is_absent = |landmark: &LandmarkId| of_map(landmark) && !found.contains(landmark);
         latest.missed.retain(is_absent);
         latest.absent.retain(is_absent);
-        self.sought.count(&found, &latest.missed, &latest.absent);
+        let at_m = [shown[0].mid(), shown[1].mid()];
+        let from = |landmark: &LandmarkId| {
+            let place_m = self.album.point(*landmark)?.place_m()?;
+            Some((*landmark, (at_m[1] - place_m[1].mid()).atan2(at_m[0] - place_m[0].mid())))
+        };
+        let absent: Vec<(LandmarkId, f64)> = latest.absent.iter().filter_map(from).collect();
+        self.sought.count(&found, &latest.missed, &absent);
     }
 
     /// What sightings relate.
@@ -248,9 +279,14 @@ impl PicturedLandmarks {
     }
 
     /// The contractor of sightings of which a number may be false.
-    fn by_sights(&self, sights: &[Sight], most_wrong: usize) -> FewWrong {
+    fn by_sights(&self, sights: &[Sight], most_wrong: MostWrong) -> FewWrong {
         FewWrong::new(&self.finder.optics, self.stray, sights, most_wrong)
     }
+}
+
+/// Number of things that some sightings show.
+fn n_things(sights: &[Sight]) -> usize {
+    sights.iter().filter_map(|sight| sight.thing).collect::<BTreeSet<u32>>().len()
 }
 
 impl Method for PicturedLandmarks {
@@ -301,7 +337,7 @@ impl Method for PicturedLandmarks {
             let so_far = |landmark| self.sought.so_far(landmark).filter(|_| !is_found(landmark));
             let wanted = self.whereabouts.wanted(&pose, so_far);
             let in_whole = self.finder.search_whole(&mut frame, size_px, &wanted);
-            self.looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent });
+            self.looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent, used: None });
         }
         let mut new = Vec::new();
         let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
@@ -316,7 +352,7 @@ impl Method for PicturedLandmarks {
         }
         if sights.is_empty() {
             // Learning follows a constraint, though one that says nothing.
-            let nothing = self.by_sights(&[], 1);
+            let nothing = self.by_sights(&[], MostWrong::from(1));
             return learns.then(|| Constraint {
                 decides: false,
                 relations: self.keeps_drive().then(|| self.relations(&nothing)),
@@ -332,19 +368,23 @@ impl Method for PicturedLandmarks {
         let used = if is_anywhere {
             best_known_apart(&sights, MOST_USED, APART_PX)
         } else {
-            most_telling(&sights, &pose, &self.finder.optics, MOST_USED, APART_PX)
+            let most = (MOST_USED, self.declared.most_of_thing(n_things(&sights)));
+            most_telling(&sights, &pose, &self.finder.optics, most, APART_PX)
         };
         let (sights, claims): (Vec<Sight>, Vec<Claim>) =
             used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
         let most_wrong = self.declared.wrong_of(sights.len());
         let on_pose = self.by_sights(&sights, most_wrong);
+        if let Some(looked_for) = &mut self.looked_for {
+            looked_for.used = Some(on_pose.clone());
+        }
         self.recent.push_back((*measured_s, sights, most_wrong));
         self.recent.retain(|(stamp_s, ..)| *stamp_s > measured_s - RECENT_S);
         Some(Constraint {
             relies_on: RELIES_ON.to_vec(),
             decides: on_pose.says_something(),
             claims,
-            quota: Quota::of_each(most_wrong),
+            quota: Quota { things: most_wrong.things, ..Quota::of_each(most_wrong.items) },
             relations: Some(self.relations(&on_pose)),
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
@@ -356,98 +396,5 @@ impl Method for PicturedLandmarks {
 
     fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
         Some(self)
-    }
-}
-
-impl Memory for PicturedLandmarks {
-    /// The constraint of a picture by what is left of its landmarks: some of it may have been unlearnt since.
-    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
-        let (_, sights, most_wrong) = self.recent.iter().rev().find(|(recent_s, ..)| *recent_s == stamp_s)?;
-        let again = |sight: &Sight| {
-            let mut point = self.album.point(sight.landmark)?;
-            // What was learnt of the landmark after the picture was not claimed of it.
-            (0..3).for_each(|k| point.value[k] = point.value[k].hull(sight.point.value[k]));
-            Some(Sight { point, ..*sight })
-        };
-        let sights: Vec<Sight> = sights.iter().filter_map(again).collect();
-        Some(Box::new(self.by_sights(&sights, *most_wrong)))
-    }
-
-    fn keeps_drive(&self) -> bool {
-        self.learning == Learning::Teaches
-    }
-
-    fn learns_of_together(&self, shown: &[(f64, PoseBox)]) -> Vec<Vec<(f64, Arc<dyn Relations>)>> {
-        let shown: Vec<(f64, PoseBox)> =
-            shown.iter().map(|(stamp_s, pose)| (*stamp_s, self.stray.around(pose))).collect();
-        self.drive.parts(&shown, &self.album, &self.finder.optics)
-    }
-
-    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
-        self.album.narrow(bounds, stamp_s);
-    }
-
-    fn views(&self, shown: &[(f64, PoseBox)]) -> Option<Views> {
-        let optics = &self.finder.optics;
-        let shown: Vec<(f64, PoseBox)> =
-            shown.iter().map(|(stamp_s, pose)| (*stamp_s, self.stray.around(pose))).collect();
-        let pictures = self.drive.apart(&shown, &self.album, optics);
-        let pictures: Vec<(f64, PoseBox, &[Sight])> =
-            pictures.iter().map(|(stamp_s, pose, sights)| (*stamp_s, *pose, sights.as_slice())).collect();
-        self.keeps_drive().then(|| self.album.views(view::kept(optics), &pictures))
-    }
-
-    fn forget_since(&mut self, since_s: f64) {
-        self.album.forget_since(since_s);
-        self.drive.forget_since(since_s);
-        self.latest = None;
-    }
-
-    fn clock_set_back(&mut self) {
-        self.album.begin_anew();
-        self.drive = WholeDrive::default();
-        self.latest = None;
-        self.learnt_at = None;
-        self.looked_for = None;
-        self.recent.clear();
-    }
-
-    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
-        // The pose that the picture shows.
-        let shown = self.stray.around(&posterior.hull());
-        self.count(&shown);
-        let Some(Seen { stamp_s, found, new }) = self.latest.take() else { return };
-        let is_known = shown.width(0).max(shown.width(1)) <= KNOWN_M && shown.width(2) <= KNOWN_RAD;
-        if shown.is_empty() || !is_known {
-            return;
-        }
-        self.learnt_at = Some([0, 1, 2].map(|axis| shown[axis].mid()));
-        // The place at which a landmark was first seen has no error of its own, but the lens model has.
-        let mut first = Vec::new();
-        for look in new {
-            let straight = self.finder.lens.straightened(look.position_px(), [0.0; 2]);
-            if let Some((at_px, error_px)) = straight
-                && let Some(point) = self.finder.optics.first_seen(&shown, at_px, error_px)
-                && let Some(landmark) = self.album.add(look, point, stamp_s)
-            {
-                first.push(Sight { landmark, point, at_px, error_px, view: None });
-            }
-        }
-        if self.keeps_drive() {
-            self.drive.note(stamp_s, &first);
-        }
-        self.album.learn(stamp_s, &shown, [&found, &first], &self.finder.optics, self.learning == Learning::Teaches);
-    }
-
-    fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
-        self.album.kept().map(|(landmark, entry)| (landmark, entry.point)).collect()
-    }
-
-    fn seen_again(&self) -> Vec<SeenAgain> {
-        self.sought.all(&self.whereabouts.moved())
-    }
-
-    fn looks(&self) -> Vec<(LandmarkId, Landmark)> {
-        self.album.kept().map(|(landmark, entry)| (landmark, (*entry.look).clone())).collect()
     }
 }

@@ -59,7 +59,7 @@ impl PoseRows {
     /// The rows for a picture from a pose within a box: bounds over all parts of the box that the sightings do not exclude.
     fn make(&self, pose: &PoseBox) -> Vec<(Function, Interval)> {
         let Some(program) = self.sightings.program(pose) else { return Vec::new() };
-        let best = told_best(&program.on_pose, [0, 1, 2].map(|axis| 0.5 * pose.width(axis)));
+        let best = told_best(&program.on_pose(), [0, 1, 2].map(|axis| 0.5 * pose.width(axis)));
         let functions: Vec<Function> = best.into_iter().map(|of_pose| self.relative(of_pose, pose)).collect();
         let bounds =
             parts(pose).into_iter().filter_map(|part| self.sightings.program(&part)?.bounds_of_all(&functions));

@@ -38,6 +38,8 @@ pub(super) struct Sight {
     pub(super) error_px: [f64; 2],
     /// A picture of the drive that taught the landmark, if that is used.
     pub(super) view: Option<View>,
+    /// The thing that the landmark is on, if the map tells.
+    pub(super) thing: Option<u32>,
 }
 
 impl Sight {
@@ -50,7 +52,14 @@ impl Sight {
 
     /// The sight of an image point that a point camera has told.
     pub(super) fn told(seen: &SeenPoint, point: SpacePoint, optics: &Optics) -> Sight {
-        Sight { landmark: seen.landmark, point, at_px: seen.at_px, error_px: [optics.camera.error_px; 2], view: None }
+        Sight {
+            landmark: seen.landmark,
+            point,
+            at_px: seen.at_px,
+            error_px: [optics.camera.error_px; 2],
+            view: None,
+            thing: None,
+        }
     }
 }
 
@@ -204,6 +213,7 @@ mod tests {
             at_px: [u_px, 5.0],
             error_px: [0.5; 2],
             view: None,
+            thing: None,
         });
         // Those at 0 and 19 px are within 14 px of that at 10 px, which is known better.
         assert_eq!(best_known_apart(&sights, 9, 14.0), [1, 3]);

@@ -20,14 +20,14 @@ const LEAST: [f64; 3] = [0.02, 0.02, 0.005];
 type Told = [Vector3<f64>; 2];
 
 /// The places of at most so many of some sightings: of those that are left one after the other that which, together with those that were taken before, tells
-/// most of the pose, no two of them nearer in the picture than a distance.
+/// most of the pose, no two of them nearer in the picture than a distance. Of the sightings of one thing at most `most_of_thing` are taken.
 ///
 /// With the coefficients a of all equations, the sighting is taken with which det(1 + Σ a·aᵀ) grows most: a greedy D-optimal design.
 pub(super) fn most_telling(
     sights: &[Sight],
     pose: &PoseBox,
     optics: &Optics,
-    most: usize,
+    (most, most_of_thing): (usize, usize),
     least_px: f64,
 ) -> Vec<usize> {
     let told: Vec<Told> = sights.iter().map(|sight| told(sight, pose, optics)).collect();
@@ -47,7 +47,9 @@ pub(super) fn most_telling(
         };
         sum = with(best);
         used.push(best);
-        left.retain(|&at| at != best && apart_px(at, best) >= least_px);
+        let of_thing = |at: usize| sights[at].thing.filter(|_| sights[at].thing == sights[best].thing);
+        let is_full = used.iter().filter(|&&at| of_thing(at).is_some()).count() >= most_of_thing;
+        left.retain(|&at| at != best && apart_px(at, best) >= least_px && !(is_full && of_thing(at).is_some()));
     }
     used
 }
@@ -97,17 +99,24 @@ mod tests {
                 at_px: [100.0 + 30.0 * f64::from(at), 200.0],
                 error_px: [0.5; 2],
                 view: None,
+                thing: None,
             })
             .collect();
         let pose =
             PoseBox::from([Interval::centred(0.0, 0.2), Interval::centred(0.0, 0.2), Interval::centred(0.0, 0.02)]);
-        assert_eq!(most_telling(&sights, &pose, &optics, 4, 14.0)[0], 7);
+        assert_eq!(most_telling(&sights, &pose, &optics, (4, 10), 14.0)[0], 7);
+        // Of the sightings of one thing no more are taken than asked for.
+        let on_things: Vec<Sight> =
+            sights.iter().map(|sight| Sight { thing: (sight.landmark.0 > 4).then_some(3), ..*sight }).collect();
+        let taken = most_telling(&on_things, &pose, &optics, (10, 2), 14.0);
+        assert_eq!(taken.iter().filter(|&&at| at > 4).count(), 2);
+        assert_eq!(taken.len(), 7);
         // No two of them are nearer to each other than asked for.
-        let apart = most_telling(&sights, &pose, &optics, 10, 70.0);
+        let apart = most_telling(&sights, &pose, &optics, (10, 10), 70.0);
         let places: Vec<f64> = apart.iter().map(|&at| sights[at].at_px[0]).collect();
         assert!(
             places.len() >= 3 && places.iter().all(|a| places.iter().filter(|b| (*a - **b).abs() < 70.0).count() == 1)
         );
-        assert_eq!(most_telling(&sights, &pose, &optics, 4, 14.0).len(), 4);
+        assert_eq!(most_telling(&sights, &pose, &optics, (4, 10), 14.0).len(), 4);
     }
 }

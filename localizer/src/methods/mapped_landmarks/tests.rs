@@ -44,7 +44,14 @@ fn the_truth_satisfies_the_rows_of_image_points_at_the_corners_of_all_bounds() {
         let error_px = [truth.camera.error_px; 2];
         let points = Points {
             optics,
-            seen: vec![Sight { landmark: id, point: SpacePoint { anchor, value }, at_px, error_px, view: None }],
+            seen: vec![Sight {
+                landmark: id,
+                point: SpacePoint { anchor, value },
+                at_px,
+                error_px,
+                view: None,
+                thing: None,
+            }],
         };
         let mut values: BTreeMap<Variable, f64> =
             truth.constants.iter().map(|(&constant, &value)| (Variable::Constant(constant), value)).collect();

@@ -38,7 +38,7 @@ const MOST_KEPT: usize = 12;
 const APART_M: f64 = 0.1;
 /// Part of the bounds of a pose within which the lines of sight pass the landmark's place: the middle of a pose's box is much nearer to the truth than
 /// its bounds. In `scenes/landmarks/room_repeat.toml` the root mean square of its error is a sixth of half a width.
-const PART_OF_BOUNDS: f64 = 0.5;
+pub(super) const PART_OF_BOUNDS: f64 = 0.5;
 /// Least angle, in radians, between two lines of sight that tell a place, and least distance, in metres, of that place from where it was seen.
 const LEAST_PARALLAX_RAD: f64 = 0.1;
 const NEAREST_M: f64 = 0.3;

@@ -29,7 +29,7 @@ impl Quotas {
         } else {
             Counting::Readings { of: IMAGES_APART, most: self.images }
         };
-        Quota { items: self.wrong_of_image(n_level), upright: self.wrong_of_image(n_upright), counting }
+        Quota { items: self.wrong_of_image(n_level), things: 0, upright: self.wrong_of_image(n_upright), counting }
     }
 
     /// Greatest number of a single image's edges that may be wrong, given how many it has.

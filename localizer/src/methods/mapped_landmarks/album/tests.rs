@@ -40,7 +40,7 @@ fn learnt(draw: &mut Draw, n_wrong: usize, solves: bool) -> (Album, Vector3<f64>
         }
         n_seen += 1;
         let Some(point) = album.point(LandmarkId(0)) else { break };
-        let sight = Sight { landmark: LandmarkId(0), point, at_px, error_px, view: None };
+        let sight = Sight { landmark: LandmarkId(0), point, at_px, error_px, view: None, thing: None };
         album.learn(f64::from(step), &pose, [&[sight], &[]], &optics, solves);
     }
     (album, landmark)

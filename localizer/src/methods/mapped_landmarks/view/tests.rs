@@ -55,6 +55,7 @@ impl Trial {
                 at_px: seen.at_px,
                 error_px: [truth.camera.error_px; 2],
                 view: Some(View { sight, camera: 0, pose: taught_box }),
+                thing: None,
             });
         }
         sights.truncate(24);

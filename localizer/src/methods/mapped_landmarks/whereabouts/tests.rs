@@ -59,6 +59,7 @@ fn the_bounds_of_a_pose_tell_by_how_much_its_lines_of_sight_may_pass() {
         at_px: [59.5, 44.5],
         error_px: [0.3, 0.6],
         view: None,
+        thing: None,
     };
     let pose =
         PoseBox::from([Interval::centred(0.0, 0.03), Interval::centred(0.2, 0.04), Interval::centred(0.0, 0.02)]);
@@ -105,7 +106,7 @@ fn landmarks_that_are_not_found_are_searched_by_turns() {
     // Landmark 3 was found half as often as not, 4 not often absent yet, and 5 was never expected.
     let seen = |landmark: LandmarkId| {
         let (n_found, n_absent) = [(4, 8), (0, 3)].get(landmark.0.wrapping_sub(3) as usize).copied().unwrap_or((1, 5));
-        let counts = SeenAgain { landmark, n_found, now_m: None, n_elsewhere: 0, n_missed: 0, n_absent };
+        let counts = SeenAgain { n_found, n_absent, ..SeenAgain::of(landmark) };
         (landmark.0 != 5).then_some(counts)
     };
     let next = |whereabouts: &mut Whereabouts, x_m: f64| -> (Vec<u32>, Vec<f64>) {
@@ -131,7 +132,8 @@ fn sightings_of_a_landmark_are_kept_from_different_places_and_not_too_many() {
     let mut whereabouts = whereabouts(&[([0.5, 3.0, 1.2], Vec::new())]);
     let optics = Eye { place_m: [0.0, 0.0, 0.3], focal_px: 300.0, ..Eye::default() }.finder().optics;
     let point = whereabouts.missing[&LandmarkId(0)].point;
-    let sight = Sight { landmark: LandmarkId(0), point, at_px: [59.5, 44.5], error_px: [0.3; 2], view: None };
+    let sight =
+        Sight { landmark: LandmarkId(0), point, at_px: [59.5, 44.5], error_px: [0.3; 2], view: None, thing: None };
     let n_kept = |whereabouts: &mut Whereabouts, x_m: f64| {
         whereabouts.keep(&[&sight], &PoseBox::from([x_m, 0.0, 0.0].map(Interval::point)), &optics);
         whereabouts.missing[&LandmarkId(0)].bearings.len()
@@ -147,11 +149,11 @@ fn a_landmark_is_searched_first_once_a_neighbour_was_found_elsewhere() {
     let mut whereabouts = whereabouts(&(0..14).map(|at| (place_m(at), Vec::new())).collect::<Vec<_>>());
     let optics = Eye { place_m: [0.0, 0.0, 0.3], focal_px: 300.0, ..Eye::default() }.finder().optics;
     let point = whereabouts.missing[&LandmarkId(13)].point;
-    let sight = Sight { landmark: LandmarkId(13), point, at_px: [59.5, 44.5], error_px: [0.3; 2], view: None };
+    let sight =
+        Sight { landmark: LandmarkId(13), point, at_px: [59.5, 44.5], error_px: [0.3; 2], view: None, thing: None };
     let pose = PoseBox::from([Interval::ZERO; 3]);
     whereabouts.keep(&[&sight], &pose, &optics);
-    let seen =
-        |landmark| Some(SeenAgain { landmark, n_found: 0, now_m: None, n_elsewhere: 0, n_missed: 0, n_absent: 4 });
+    let seen = |landmark| Some(SeenAgain { n_absent: 4, ..SeenAgain::of(landmark) });
     // Landmark 13 itself is not searched from the same place again. Of the others, 12 is searched at each size, and then by turns.
     let firsts: Vec<u32> = (0..6).map(|_| whereabouts.wanted(&pose, seen)[0].landmark.0).collect();
     assert_eq!(firsts[..4], [12; 4]);

@@ -56,7 +56,14 @@ fn shown(draw: &mut Draw) -> Shown {
                 let point = album.point(number).unwrap();
                 drive.note(
                     stamp_s,
-                    &[Sight { landmark: number, point, at_px, error_px: [truth.camera.error_px; 2], view: None }],
+                    &[Sight {
+                        landmark: number,
+                        point,
+                        at_px,
+                        error_px: [truth.camera.error_px; 2],
+                        view: None,
+                        thing: None,
+                    }],
                 );
             }
         }
