@@ -265,6 +265,67 @@ impl PicturedLandmarks {
         self.sought.count(&found, &latest.missed, &absent);
     }
 
+    /// Searches the landmarks that a picture from a pose within a box may show. Returns what is found, and what is left of the box where some landmarks
+    /// had to be found before the others.
+    fn search(&mut self, frame: &mut Frame, size_px: [f64; 2], prior: PoseBox) -> (Searched, PoseBox) {
+        let (mut searched, mut pose) = (Searched::default(), prior);
+        // Where little is known, some landmarks tell where the others are. That matters to what is found, and not to whether it is right.
+        if pose.width(0).max(pose.width(1)) > VAGUE_M || pose.width(2) > VAGUE_RAD {
+            self.finder.search(&mut self.album, frame, &pose, size_px, &mut searched, false);
+            if searched.sights.len() >= FEWEST_FIRST {
+                let most_wrong = self.declared.wrong_of(searched.sights.len());
+                let known = self.by_sights(&searched.sights, most_wrong).pass(&pose);
+                pose = if known.is_empty() { pose } else { known };
+            }
+        }
+        self.finder.search(&mut self.album, frame, &pose, size_px, &mut searched, true);
+        (searched, pose)
+    }
+
+    /// Searches all landmarks in a picture from anywhere. Of what is found that is returned which agrees on a pose; `None` where that is little: it says
+    /// nothing of where the robot is, and so claims nothing.
+    fn search_everywhere(&self, frame: &mut Frame, size_px: [f64; 2]) -> Option<Searched> {
+        let mut searched = Searched::default();
+        self.finder.search_everywhere(&self.album, frame, size_px, &mut searched);
+        searched.keep(&agreeing(&searched.sights, &self.finder.optics));
+        let most_wrong = self.declared.wrong_of(searched.sights.len());
+        self.by_sights(&searched.sights, most_wrong).tells_anywhere().then_some(searched)
+    }
+
+    /// The constraint of those sightings of a picture, with their claims, that are used, each compared with a picture of the teacher where there is one.
+    fn constraint(
+        &mut self,
+        stamp_s: f64,
+        (mut sights, mut claims): (Vec<Sight>, Vec<Claim>),
+        pose: &PoseBox,
+        used: impl FnOnce(&[Sight]) -> Vec<usize>,
+    ) -> Constraint {
+        self.album.choose_views(&mut sights, pose);
+        for (claim, sight) in claims.iter_mut().zip(&sights) {
+            if let Claim::SpacePoint { view, .. } = claim {
+                *view = sight.view.map(|view| view.sight);
+            }
+        }
+        let used = used(&sights);
+        let (sights, claims): (Vec<Sight>, Vec<Claim>) =
+            used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
+        let most_wrong = self.declared.wrong_of(sights.len());
+        let on_pose = self.by_sights(&sights, most_wrong);
+        if let Some(looked_for) = &mut self.looked_for {
+            looked_for.used = Some(on_pose.clone());
+        }
+        self.recent.push_back((stamp_s, sights, most_wrong));
+        self.recent.retain(|(recent_s, ..)| *recent_s > stamp_s - RECENT_S);
+        Constraint {
+            relies_on: RELIES_ON.to_vec(),
+            decides: on_pose.says_something(),
+            claims,
+            quota: Quota { things: most_wrong.things, ..Quota::of_each(most_wrong.items) },
+            relations: Some(self.relations(&on_pose)),
+            ..Constraint::new(self.name(), stamp_s, on_pose)
+        }
+    }
+
     /// What sightings relate.
     fn relations(&self, sightings: &FewWrong) -> Arc<dyn Relations> {
         let stamp_error_s = self.finder.optics.camera.stamp_error_s;
@@ -300,54 +361,31 @@ impl Method for PicturedLandmarks {
 
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
-        let mut pose = self.stray.around(&context.prior.hull());
+        let prior = self.stray.around(&context.prior.hull());
         let size_px = [image.width(), image.height()].map(f64::from);
         let images = self.images;
         let mut frame = Frame::new(image, &images);
-        let mut search = Searched::default();
-        let is_anywhere = is_vague(&pose);
-        if is_anywhere {
-            self.finder.search_everywhere(&self.album, &mut frame, size_px, &mut search);
-            search.keep(&agreeing(&search.sights, &self.finder.optics));
-            // Sightings that are few say nothing of where the robot is, and so claim nothing.
-            if !self.by_sights(&search.sights, self.declared.wrong_of(search.sights.len())).tells_anywhere() {
-                return None;
-            }
+        if is_vague(&prior) {
+            let Searched { sights, claims, .. } = self.search_everywhere(&mut frame, size_px)?;
+            self.looked_for = None;
+            let best_known = |sights: &[Sight]| best_known_apart(sights, MOST_USED, APART_PX);
+            return Some(self.constraint(*measured_s, (sights, claims), &prior, best_known));
         }
-        // Where little is known, some landmarks tell where the others are. That matters to what is found, and not to whether it is right.
-        let is_rough = !is_anywhere && (pose.width(0).max(pose.width(1)) > VAGUE_M || pose.width(2) > VAGUE_RAD);
-        if is_rough {
-            self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, false);
-            if search.sights.len() >= FEWEST_FIRST {
-                let most_wrong = self.declared.wrong_of(search.sights.len());
-                let known = self.by_sights(&search.sights, most_wrong).pass(&pose);
-                pose = if known.is_empty() { pose } else { known };
-            }
+        let (Searched { sights, claims, near_px, missed, absent }, pose) = self.search(&mut frame, size_px, prior);
+        if self.keeps_drive() {
+            self.drive.note(*measured_s, &sights);
         }
-        if !is_anywhere {
-            self.finder.search(&mut self.album, &mut frame, &pose, size_px, &mut search, true);
-        }
-        if self.keeps_drive() && !is_anywhere {
-            self.drive.note(*measured_s, &search.sights);
-        }
-        let Searched { mut sights, mut claims, near_px, missed, absent } = search;
-        self.looked_for = None;
-        if !is_anywhere {
-            let is_found = |landmark: LandmarkId| sights.iter().any(|sight| sight.landmark == landmark);
-            let so_far = |landmark| self.sought.so_far(landmark).filter(|_| !is_found(landmark));
-            let wanted = self.whereabouts.wanted(&pose, so_far);
-            let in_whole = self.finder.search_whole(&mut frame, size_px, &wanted);
-            self.looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent, used: None });
-        }
-        let mut new = Vec::new();
-        let learns = self.learning != Learning::Never && !is_anywhere && self.is_new_place(&pose);
+        let is_found = |landmark: LandmarkId| sights.iter().any(|sight| sight.landmark == landmark);
+        let so_far = |landmark| self.sought.so_far(landmark).filter(|_| !is_found(landmark));
+        let wanted = self.whereabouts.wanted(&pose, so_far);
+        let in_whole = self.finder.search_whole(&mut frame, size_px, &wanted);
+        self.looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent, used: None });
+        let learns = self.learning != Learning::Never && self.is_new_place(&pose);
         if learns {
             let mut spread = Spread::new(size_px, sights.iter().map(|sight| sight.at_px));
             let is_apart =
                 |[u, v]: [f64; 2]| near_px.iter().all(|[near_u, near_v]| (u - near_u).hypot(v - near_v) >= APART_PX);
-            new = frame.landmarks_where(MOST_NEW, |at_px| is_apart(at_px) && spread.takes(at_px));
-        }
-        if learns {
+            let new = frame.landmarks_where(MOST_NEW, |at_px| is_apart(at_px) && spread.takes(at_px));
             self.latest = Some(Seen { stamp_s: *measured_s, found: sights.clone(), new });
         }
         if sights.is_empty() {
@@ -359,35 +397,10 @@ impl Method for PicturedLandmarks {
                 ..Constraint::new(self.name(), *measured_s, nothing)
             });
         }
-        self.album.choose_views(&mut sights, &pose);
-        for (claim, sight) in claims.iter_mut().zip(&sights) {
-            if let Claim::SpacePoint { view, .. } = claim {
-                *view = sight.view.map(|view| view.sight);
-            }
-        }
-        let used = if is_anywhere {
-            best_known_apart(&sights, MOST_USED, APART_PX)
-        } else {
-            let most = (MOST_USED, self.declared.most_of_thing(n_things(&sights)));
-            most_telling(&sights, &pose, &self.finder.optics, most, APART_PX)
-        };
-        let (sights, claims): (Vec<Sight>, Vec<Claim>) =
-            used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
-        let most_wrong = self.declared.wrong_of(sights.len());
-        let on_pose = self.by_sights(&sights, most_wrong);
-        if let Some(looked_for) = &mut self.looked_for {
-            looked_for.used = Some(on_pose.clone());
-        }
-        self.recent.push_back((*measured_s, sights, most_wrong));
-        self.recent.retain(|(stamp_s, ..)| *stamp_s > measured_s - RECENT_S);
-        Some(Constraint {
-            relies_on: RELIES_ON.to_vec(),
-            decides: on_pose.says_something(),
-            claims,
-            quota: Quota { things: most_wrong.things, ..Quota::of_each(most_wrong.items) },
-            relations: Some(self.relations(&on_pose)),
-            ..Constraint::new(self.name(), *measured_s, on_pose)
-        })
+        let most = (MOST_USED, self.declared.most_of_thing(n_things(&sights)));
+        let optics = Arc::clone(&self.finder.optics);
+        let telling = |sights: &[Sight]| most_telling(sights, &pose, &optics, most, APART_PX);
+        Some(self.constraint(*measured_s, (sights, claims), &pose, telling))
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
