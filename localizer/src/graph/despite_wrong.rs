@@ -21,12 +21,12 @@ use std::collections::BTreeMap;
 
 use interval::{
     Interval,
-    linear_program::{LinearProgram, ProgramError, Solver, Terms, certified_maximum, certified_minimum},
+    linear_program::{LinearProgram, ProgramError, Solver, Terms},
 };
 
 use crate::PoseBox;
 
-use super::{Domain, Relations, Row, Variable};
+use super::{Domain, Relations, Row, Variable, related::certified_bounds};
 
 /// Greatest number of wrong items with which groups are left out: for one wrong item there are five programs, for two fifteen.
 const MOST_LEFT_OUT: usize = 2;
@@ -109,13 +109,10 @@ impl DespiteWrong {
             let terms: Vec<(usize, f64)> = terms.into_iter().filter_map(index).collect();
             let rest = unnamed.into_iter().map(|&(variable, a)| self.domain.value(variable) * a);
             let rest = rest.fold(Interval::ZERO, |sum, part| sum + part);
-            let negative: Vec<(usize, f64)> = terms.iter().map(|&(at, c)| (at, -c)).collect();
-            let least = certified_minimum(program, &terms, &solver.minimise(&terms));
-            let greatest = certified_maximum(program, &terms, &solver.minimise(&negative));
             let reference = terms
                 .iter()
                 .fold(rest, |sum, &(at, a)| sum + Interval::point(self.domain.reference(self.variables[at])) * a);
-            (least <= greatest).then(|| reference + Interval::new(least, greatest))
+            certified_bounds(program, &mut solver, &terms).map(|bounds| reference + bounds)
         };
         functions.iter().map(bound).collect()
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use interval::{
     Interval,
-    linear_program::{LinearProgram, ProgramError, Solver, certified_maximum, certified_minimum},
+    linear_program::{LinearProgram, ProgramError, Solver, Terms, certified_maximum, certified_minimum},
 };
 
 use crate::bounds::Assumption;
@@ -108,18 +108,23 @@ impl Related {
     pub fn bounds_of(&self, solver: &mut Solver, function: &[(Variable, f64)]) -> Option<Interval> {
         let index = |&(variable, a): &(Variable, f64)| Some((self.index(variable)?, a));
         let terms: Vec<(usize, f64)> = function.iter().map(index).collect::<Option<_>>()?;
-        let negative: Vec<(usize, f64)> = terms.iter().map(|&(at, a)| (at, -a)).collect();
-        let least = certified_minimum(&self.program, &terms, &solver.minimise(&terms));
-        let greatest = certified_maximum(&self.program, &terms, &solver.minimise(&negative));
         let parts = function.iter().map(|&(variable, a)| Interval::point(self.domain.reference(variable)) * a);
         let reference = parts.fold(Interval::ZERO, |sum, part| sum + part);
-        (least <= greatest).then(|| reference + Interval::new(least, greatest))
+        certified_bounds(&self.program, solver, &terms).map(|bounds| reference + bounds)
     }
 
     /// Index of a quantity among the program's variables.
     pub fn index(&self, variable: Variable) -> Option<usize> {
         self.variables.iter().position(|&one| one == variable)
     }
+}
+
+/// Certified bounds of a linear function of a program's variables; `None` where they show that the rows contradict each other.
+pub(super) fn certified_bounds(program: &LinearProgram, solver: &mut Solver, terms: &Terms) -> Option<Interval> {
+    let negative: Vec<(usize, f64)> = terms.iter().map(|&(at, a)| (at, -a)).collect();
+    let least = certified_minimum(program, terms, &solver.minimise(terms));
+    let greatest = certified_maximum(program, terms, &solver.minimise(&negative));
+    (least <= greatest).then(|| Interval::new(least, greatest))
 }
 
 /// Where a row comes from.

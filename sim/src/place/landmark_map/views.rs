@@ -160,12 +160,14 @@ pub(super) fn read(file: &File) -> Result<(Views, Vec<TrueEye>), String> {
 
 type Wrong = (&'static str, String);
 
+/// The interval of a key.
+fn pair(key: &'static str, ends: [f64; 2]) -> Result<Interval, Wrong> {
+    let fits = |value: &Interval| value.magnitude() <= FARTHEST_M;
+    let expected = || (key, "a pair of numbers from -1e6 to 1e6, the lesser first".to_owned());
+    interval(ends).filter(fits).ok_or_else(expected)
+}
+
 fn camera_of(entry: &CameraEntry) -> Result<ViewCamera, Wrong> {
-    let pair = |key, ends: [f64; 2]| {
-        let fits = |value: &Interval| value.magnitude() <= FARTHEST_M;
-        let expected = || (key, "a pair of numbers from -1e6 to 1e6, the lesser first".to_owned());
-        interval(ends).filter(fits).ok_or_else(expected)
-    };
     let error =
         |key, value: f64| (0.0..=1.0).contains(&value).then_some(value).ok_or((key, "a number from 0 to 1".to_owned()));
     let focal_px = pair("focal_px", entry.focal_px)?;
@@ -191,11 +193,6 @@ fn camera_of(entry: &CameraEntry) -> Result<ViewCamera, Wrong> {
 }
 
 fn picture_of(entry: &PictureEntry, index: usize, n_cameras: usize) -> Result<ViewPicture, Wrong> {
-    let pair = |key, ends: [f64; 2]| {
-        let fits = |value: &Interval| value.magnitude() <= FARTHEST_M;
-        let expected = || (key, "a pair of numbers from -1e6 to 1e6, the lesser first".to_owned());
-        interval(ends).filter(fits).ok_or_else(expected)
-    };
     if entry.camera >= n_cameras {
         return Err(("camera", format!("a number below {n_cameras}")));
     }
