@@ -105,7 +105,7 @@ pub fn in_words(summary: &Value) -> Option<String> {
     );
     // By a map of another place, a few are found all the same: much looks alike.
     let is_elsewhere = number("looked_for") >= MANY && 2 * number("seen_again") < number("looked_for");
-    let counts = if is_elsewhere { format!("{counts}, which are few: is it a map of this place?") } else { counts };
+    let counts = if is_elsewhere { format!("{counts}, which are few (is it a map of this place?)") } else { counts };
     if changes.is_empty() {
         return Some(format!("{counts}; none seems to have gone."));
     }
@@ -151,7 +151,7 @@ mod tests {
         let few = json!({ "map_seen": { "looked_for": 136, "seen_again": 36, "changes": [] } });
         assert_eq!(
             in_words(&few).unwrap(),
-            "Of 136 landmarks of the map that should have been in view, 36 were seen again, which are few: is it a map of this place?; none seems to \
+            "Of 136 landmarks of the map that should have been in view, 36 were seen again, which are few (is it a map of this place?); none seems to \
              have gone."
         );
     }
