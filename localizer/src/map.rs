@@ -13,7 +13,7 @@ use crate::markers::{Coding, MarkerId};
 
 pub use seen_again::SeenAgain;
 pub use space_point::{Anchor, SpacePoint};
-pub(crate) use things::things;
+pub use things::things;
 pub use views::{ViewCamera, ViewPicture, ViewSight, Views};
 
 /// Map of a room and its floor, as surveyed.

@@ -6,8 +6,9 @@
 //!
 //! **Wrong sightings.** A sighting is true if a point of the landmark's box is seen within the claimed error, and false otherwise: where something
 //! else looks like the landmark, where the landmark is no point of a surface, as where one edge passes behind another, and where its box is wrong. Of
-//! the sightings of a picture a declared number may be false ([`Declared`]), and all of a number of things that may have moved. Poses stay on which all others agree (`few_wrong`). No sighting is certain by
-//! itself; what all of them together say of the pose becomes rows of the graph of key frames (`pose_rows`).
+//! the sightings of a picture a declared number may be false ([`Declared`]), and all of a number of things that may have moved. Poses stay on which all
+//! others agree (`few_wrong`). No sighting is certain by itself; what all of them together say of the pose becomes rows of the graph of key frames
+//! (`pose_rows`).
 //!
 //! **Anywhere.** Where the pose is known vaguely or not at all, landmarks are searched in the whole picture. Much is found then that only looks like
 //! them, so that those sightings are claimed which agree on one pose (`consensus`). By them the poses of a wide box are searched (`anywhere`).
@@ -409,5 +410,18 @@ impl Method for PicturedLandmarks {
 
     fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
         Some(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_things_may_be_wrong_the_sightings_of_one_of_them_are_a_third_of_all_at_most() {
+        let of = |wrong_things| Declared { wrong_things, ..Declared::default() };
+        assert_eq!([1, 2, 3, 5].map(|n_things| of(1).most_of_thing(n_things)), [18, 9, 6, 6]);
+        assert_eq!([1, 3].map(|n_things| of(0).most_of_thing(n_things)), [18, 18]);
+        assert_eq!(of(2).wrong_of(18), MostWrong { items: 1, things: 2 });
     }
 }

@@ -166,7 +166,10 @@ mod tests {
     use super::*;
     use crate::{
         graph::trial::{Draw, rounds},
-        methods::mapped_landmarks::few_wrong::tests::trial,
+        methods::mapped_landmarks::few_wrong::{
+            MostWrong,
+            tests::{trial, with_moved_thing},
+        },
     };
 
     #[test]
@@ -177,7 +180,13 @@ mod tests {
         for round in 0..n_rounds {
             let n_wrong = round % 3;
             let (optics, sights, pose, truth) = trial(&mut draw, n_wrong);
-            let rows = PoseRows::new(FewWrong::new(&optics, Stray::default(), &sights, n_wrong), 0.0, true, None);
+            // Of every other picture all sightings of one thing are wrong, too.
+            let (mut sights, things) = (sights, round % 2);
+            if things > 0 {
+                with_moved_thing(&mut sights, (round % 3) as u32, [30.0, 20.0]);
+            }
+            let most_wrong = MostWrong { items: n_wrong, things };
+            let rows = PoseRows::new(FewWrong::new(&optics, Stray::default(), &sights, most_wrong), 0.0, true, None);
             let mut domain = Domain::default();
             domain.put_pose(4, &pose);
             let made = rows.rows(4, &domain);

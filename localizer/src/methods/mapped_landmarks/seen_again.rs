@@ -126,6 +126,18 @@ mod tests {
     }
 
     #[test]
+    fn a_landmark_has_moved_a_little_once_enough_pictures_contradict_its_thing() {
+        let mut sought = Sought::default();
+        let [moved, other] = [LandmarkId(1), LandmarkId(2)];
+        (0..3).for_each(|_| sought.count_displaced([moved, other].into_iter()));
+        assert!(sought.all(&BTreeMap::new()).iter().all(|one| !one.is_displaced() && !one.is_gone()));
+        sought.count_displaced([moved].into_iter());
+        let told: Vec<bool> =
+            sought.all(&BTreeMap::new()).iter().map(|one| one.is_displaced() && one.is_gone()).collect();
+        assert_eq!(told, [true, false]);
+    }
+
+    #[test]
     fn what_is_missed_in_the_dark_does_not_count() {
         let mut sought = Sought::default();
         let [one, two] = [LandmarkId(1), LandmarkId(2)];
