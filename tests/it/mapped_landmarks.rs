@@ -290,6 +290,15 @@ fn maps_and_scenes_that_do_not_fit_are_refused_with_exit_code_2() {
     let off = ["--set", "localizer.mapped_landmarks.teaches=true", "--set", "localizer.mapped_landmarks.learns=false"];
     let teaches_nothing = [&["repeat", "repeat.toml", "--map", "map.json"][..], &off].concat();
     refused(&teaches_nothing, &["`localizer.mapped_landmarks.teaches", "expected false, or `learns = true`"]);
+    // A file that is no map is not replaced.
+    fs::write(place.join("notes.txt"), "mine").unwrap();
+    refused(&["teach", "teach.toml", "--map", "notes.txt"], &["notes.txt", "no map, expected a map to replace"]);
+    assert_eq!(fs::read_to_string(place.join("notes.txt")).unwrap(), "mine");
+    let things = ["--set", "localizer.mapped_landmarks.wrong_things=1"];
+    refused(
+        &[&["repeat", "repeat.toml", "--map", "map.json"][..], &things].concat(),
+        &["wrong_things", "expected 0, or"],
+    );
     // Of the folders of a map that is not written none is left.
     let nothing_seen = ["--set", "duration_s=0.05"];
     refused(&[&["teach", "teach.toml", "--map", "new/folder/map.json"][..], &nothing_seen].concat(), &["no landmark"]);

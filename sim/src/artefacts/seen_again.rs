@@ -107,7 +107,14 @@ pub fn in_words(summary: &Value) -> Option<String> {
     let is_elsewhere = number("looked_for") >= MANY && 2 * number("seen_again") < number("looked_for");
     let counts = if is_elsewhere { format!("{counts}, which are few (is it a map of this place?)") } else { counts };
     if changes.is_empty() {
-        return Some(format!("{counts}; none seems to have gone."));
+        let width_m = ["x_m", "y_m"].map(|axis| summary["width"][axis]["mean"].as_f64().unwrap_or(f64::NAN));
+        let width_m = width_m[0].max(width_m[1]);
+        let known = if width_m.is_finite() {
+            format!(" by more than {width_m:.2} m, as poses were known")
+        } else {
+            String::new()
+        };
+        return Some(format!("{counts}; none seems to have gone or moved{known}."));
     }
     let is_told = |change: &&Change| change.landmarks.len() >= FEWEST_TOLD;
     let told: Vec<&Change> = changes.iter().filter(is_told).take(MOST_TOLD).collect();
@@ -146,13 +153,17 @@ mod tests {
         assert!(told.contains("x 5.0 m") && !told.contains("x 6.0 m") && told.contains("; 4 others seem to"), "{told}");
         let told = in_words(&seen(json!([change(&[9], 4.0)]))).unwrap();
         assert!(told.ends_with("15 were seen again; 1 seems to have gone or moved, here and there."), "{told}");
-        assert!(in_words(&seen(json!([]))).unwrap().ends_with("15 were seen again; none seems to have gone."));
+        assert!(in_words(&seen(json!([]))).unwrap().ends_with("15 were seen again; none seems to have gone or moved."));
         assert_eq!(in_words(&json!({})), None);
+        let mut narrow = seen(json!([]));
+        narrow["width"] = json!({ "x_m": { "mean": 0.114 }, "y_m": { "mean": 0.128 } });
+        let told = in_words(&narrow).unwrap();
+        assert!(told.ends_with("none seems to have gone or moved by more than 0.13 m, as poses were known."), "{told}");
         let few = json!({ "map_seen": { "looked_for": 136, "seen_again": 36, "changes": [] } });
         assert_eq!(
             in_words(&few).unwrap(),
             "Of 136 landmarks of the map that should have been in view, 36 were seen again, which are few (is it a map of this place?); none seems to \
-             have gone."
+             have gone or moved."
         );
     }
 }

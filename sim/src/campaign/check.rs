@@ -213,9 +213,10 @@ impl Look {
             let Some(constraint) = constraint else { continue };
             seen.constraints += 1;
             seen.claims += constraint.claims.len();
-            let n_false = constraint.claims.iter().filter(|claim| !is_true(claim, scene, drawn, truth)).count();
-            seen.false_claims += n_false;
-            seen.beyond_quota += usize::from(n_false > allowed(&constraint));
+            let wrong: Vec<&Claim> =
+                constraint.claims.iter().filter(|claim| !is_true(claim, scene, drawn, truth)).collect();
+            seen.false_claims += wrong.len();
+            seen.beyond_quota += usize::from(is_beyond_quota(&constraint, &wrong));
             tells = tells.max(if constraint.heading_only { Told::Heading } else { Told::Position });
             claimed.extend(constraint.claims);
         }
@@ -233,14 +234,14 @@ impl Look {
     }
 }
 
-/// Greatest number of a picture's claims that may be false by the quota of its constraint, if no other picture counts.
-fn allowed(constraint: &Constraint) -> usize {
+/// Whether more of a picture's claims are false than the quota of its constraint allows, if no other picture counts.
+fn is_beyond_quota(constraint: &Constraint, wrong: &[&Claim]) -> bool {
     let Quota { items, things, upright, counting } = constraint.quota;
     let together = match counting {
         Counting::Alone | Counting::Readings { .. } => 0,
         Counting::Together { share, more, .. } => share_of(share, constraint.claims.len()) + more,
     };
-    upright + items.max(together) + of_most_things(constraint.claims.iter(), things)
+    wrong.len() - of_most_things(wrong.iter().copied(), things) > upright + items.max(together)
 }
 
 fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {

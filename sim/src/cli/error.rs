@@ -34,6 +34,8 @@ pub(super) enum CommandError {
     TeachesNothing { scene: PathBuf, key: &'static str, expected: &'static str },
     #[error("teach a map by {}: no landmark was seen where the pose was known, or images contradict each other, expected a `[robot.point_camera]` and some `[[landmark]]` in its view, or a `[robot.forward_camera]` and textured surfaces in its view", .0.display())]
     LearntNothing(PathBuf),
+    #[error("write the map {}: it is a file that is no map, expected a map to replace, or a path without a file", .0.display())]
+    NoMapToReplace(PathBuf),
     #[error("{command} with `--subject {subject}`: it is given no map, expected no `--subject`, or `wherein run`")]
     KnowsNoMap { command: &'static str, subject: String },
     #[error("repeat {} by a map: `localizer.methods` uses none, expected `mapped_landmarks` among them", .0.display())]

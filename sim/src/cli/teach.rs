@@ -1,16 +1,19 @@
 //! `wherein teach`: a drive that learns where landmarks are, and a map of them for later drives.
 
 use std::{
+    collections::BTreeSet,
     fs, io,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 
 use clap::Args;
+use localizer::map::things;
 use serde_json::Value;
 
 use crate::{
     artefacts::run_files::{LANDMARKS, folder, prepare_for, read, replace_file},
+    place::landmark_map,
     scene::MethodName,
 };
 
@@ -73,6 +76,9 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
     if arguments.map.is_dir() {
         return Err(CommandError::Unwritable(arguments.map, io::ErrorKind::IsADirectory.into()));
     }
+    if arguments.map.exists() && !landmark_map::is_one(&arguments.map) {
+        return Err(CommandError::NoMapToReplace(arguments.map));
+    }
     // Folders that were made for a map which is not written are removed again.
     let _made = MissingFolders::of(&arguments.map);
     prepare_for(&arguments.map)?;
@@ -97,11 +103,13 @@ pub(super) fn teach(mut arguments: TeachArguments, adapter: Option<&str>) -> Res
     let learnt = folder.join(LANDMARKS);
     let text = fs::read_to_string(&learnt).map_err(|_| CommandError::LearntNothing(file.path.clone()))?;
     replace_file(&arguments.map, &text)?;
-    let map = crate::place::landmark_map::read(&arguments.map)?;
+    let map = landmark_map::read(&arguments.map)?;
+    let things: BTreeSet<u32> = things(&map.landmarks).into_values().collect();
     let n_bounded = map.landmarks.iter().filter(|(_, point)| point.place_m().is_some()).count();
     print(&format!(
-        "Map of {} landmarks, the depth of {n_bounded} of them bounded: {}\n{}",
+        "Map of {} landmarks on {} things, the depth of {n_bounded} of them bounded: {}\n{}",
         map.landmarks.len(),
+        things.len(),
         arguments.map.display(),
         boxes_in_words(&summary["metrics"])
     ))?;

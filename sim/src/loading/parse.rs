@@ -105,6 +105,13 @@ fn recall(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
                 .to_owned(),
         });
     }
+    if setup.wrong_things.is_some_and(|things| things > 0) && !in_pictures {
+        return Err(Contradiction {
+            key: "localizer.mapped_landmarks.wrong_things".to_owned(),
+            expected: "nothing sees landmarks in pictures, expected 0, or the method `mapped_landmarks` with a forward camera and no point camera"
+                .to_owned(),
+        });
+    }
     if setup.teaches && !setup.learns {
         return Err(Contradiction {
             key: "localizer.mapped_landmarks.teaches".to_owned(),

@@ -132,6 +132,11 @@ fn version_of(map: &LandmarkMap) -> u64 {
     }
 }
 
+/// Whether a file is a map, though it may be damaged.
+pub(crate) fn is_one(path: &Path) -> bool {
+    fs::read(path).is_ok_and(|bytes| bytes.is_empty() || String::from_utf8_lossy(&bytes).contains(FORMAT))
+}
+
 /// Reads a map's file.
 pub fn read(path: &Path) -> Result<LandmarkMap, MapError> {
     let invalid = |expected| MapError::Invalid { path: path.to_owned(), expected };
