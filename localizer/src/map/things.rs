@@ -31,34 +31,23 @@ const BESIDE_M: f64 = 0.3;
 pub fn things(points: &[(LandmarkId, SpacePoint)]) -> BTreeMap<LandmarkId, u32> {
     let links: Vec<(LandmarkId, [f64; 3])> =
         points.iter().filter_map(|(landmark, point)| Some((*landmark, link_m(point)?))).collect();
-    let mut thing_of: Vec<usize> = (0..links.len()).collect();
-    let apart_m = |one: usize, other: usize| {
+    let apart_m = |[one, other]: [usize; 2]| {
         let [x_m, y_m] = [0, 1].map(|axis| links[one].1[axis] - links[other].1[axis]);
         x_m.hypot(y_m)
     };
-    let merge = |thing_of: &mut Vec<usize>, [from, into]: [usize; 2]| {
-        thing_of.iter_mut().filter(|thing| **thing == from).for_each(|thing| *thing = into);
-    };
-    for one in 0..links.len() {
-        for other in 0..one {
-            if apart_m(one, other) <= NEIGHBOUR_M && thing_of[one] != thing_of[other] {
-                let both = [thing_of[one], thing_of[other]];
-                merge(&mut thing_of, both);
-            }
+    let pairs = (0..links.len()).flat_map(|one| (0..one).map(move |other| [one, other]));
+    let mut near: Vec<(f64, [usize; 2])> = pairs.map(|pair| (apart_m(pair), pair)).collect();
+    near.retain(|(apart_m, _)| *apart_m <= NEXT_M);
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    // The nearest ones first. Things only grow, so that a pair which is passed by stays apart.
+    let mut thing_of: Vec<usize> = (0..links.len()).collect();
+    let mut sizes = vec![1; links.len()];
+    for (apart_m, pair) in near {
+        let [from, into] = pair.map(|at| thing_of[at]);
+        if from != into && (apart_m <= NEIGHBOUR_M || sizes[from].min(sizes[into]) < FEW) {
+            thing_of.iter_mut().filter(|thing| **thing == from).for_each(|thing| *thing = into);
+            sizes[into] += sizes[from];
         }
-    }
-    // The nearest link of another thing, for each link of a thing that has few.
-    let next = |thing_of: &[usize]| {
-        let is_of_few = |one: &usize| thing_of.iter().filter(|thing| **thing == thing_of[*one]).count() < FEW;
-        let pairs = (0..links.len()).filter(is_of_few).flat_map(|one| {
-            let others = (0..links.len()).filter(move |&other| thing_of[other] != thing_of[one]);
-            others.map(move |other| (one, other))
-        });
-        let nearest = pairs.min_by(|a, b| apart_m(a.0, a.1).total_cmp(&apart_m(b.0, b.1)))?;
-        (apart_m(nearest.0, nearest.1) <= NEXT_M).then(|| [thing_of[nearest.0], thing_of[nearest.1]])
-    };
-    while let Some(both) = next(&thing_of) {
-        merge(&mut thing_of, both);
     }
     let of_links = links.iter().zip(&thing_of).map(|((landmark, _), thing)| (*landmark, *thing as u32));
     let of_others = points.iter().filter(|(_, point)| link_m(point).is_none()).filter_map(|(landmark, point)| {
