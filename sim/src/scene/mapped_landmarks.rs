@@ -31,7 +31,7 @@ pub struct MappedLandmarksSetup {
     #[schemars(range(min = 0, max = 1000))]
     pub wrong_items: Option<usize>,
     /// For landmarks that are seen in pictures of the forward camera: number of things, such as paintings or shelves, all of whose landmarks may be
-    /// elsewhere than the map has them, so that all of their sightings in a picture are false. Landmarks within 0.25 m of each other are on one thing. A
+    /// elsewhere than the map has them, so that all of their sightings in a picture are false. Landmarks within 0.4 m of each other are on one thing. A
     /// pose is then what the rest of a picture tells without any one of the things (or any two, and so on), and boxes are wider. Unless given, it is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 3))]

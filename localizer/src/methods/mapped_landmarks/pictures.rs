@@ -15,10 +15,7 @@
 //!
 //! **Learning.** Where few landmarks are seen, new ones are made of the picture's corners (`album`).
 
-use std::{
-    collections::{BTreeSet, VecDeque},
-    sync::Arc,
-};
+use std::{collections::VecDeque, sync::Arc};
 
 use interval::Interval;
 
@@ -39,7 +36,7 @@ use super::{
     album::Album,
     anywhere::{is_vague, may_be_seen},
     consensus::agreeing,
-    few_wrong::{FewWrong, MostWrong},
+    few_wrong::{FewWrong, MostWrong, things_of},
     finding::{Finder, Searched},
     lens::PictureLens,
     pose_rows::{NearView, PoseRows},
@@ -346,11 +343,6 @@ impl PicturedLandmarks {
     }
 }
 
-/// Number of things that some sightings show.
-fn n_things(sights: &[Sight]) -> usize {
-    sights.iter().filter_map(|sight| sight.thing).collect::<BTreeSet<u32>>().len()
-}
-
 impl Method for PicturedLandmarks {
     fn name(&self) -> &'static str {
         "mapped_landmarks"
@@ -398,7 +390,7 @@ impl Method for PicturedLandmarks {
                 ..Constraint::new(self.name(), *measured_s, nothing)
             });
         }
-        let most = (MOST_USED, self.declared.most_of_thing(n_things(&sights)));
+        let most = (MOST_USED, self.declared.most_of_thing(things_of(sights.iter()).len()));
         let optics = Arc::clone(&self.finder.optics);
         let telling = |sights: &[Sight]| most_telling(sights, &pose, &optics, most, APART_PX);
         Some(self.constraint(*measured_s, (sights, claims), &pose, telling))

@@ -15,7 +15,7 @@ use crate::{
     graph::{Domain, Relations, Row, Stray, Variable},
 };
 
-use super::few_wrong::FewWrong;
+use super::few_wrong::{FewWrong, hull};
 
 /// Number of the key frame in a program of one picture.
 const FRAME: usize = 0;
@@ -63,8 +63,7 @@ impl PoseRows {
         let functions: Vec<Function> = best.into_iter().map(|of_pose| self.relative(of_pose, pose)).collect();
         let bounds =
             parts(pose).into_iter().filter_map(|part| self.sightings.program(&part)?.bounds_of_all(&functions));
-        let hull = bounds.reduce(|hull, bounds| hull.into_iter().zip(bounds).map(|(a, b)| a.hull(b)).collect());
-        hull.map_or_else(Vec::new, |hull| functions.into_iter().zip(hull).collect())
+        hull(bounds).map_or_else(Vec::new, |hull| functions.into_iter().zip(hull).collect())
     }
 }
 
