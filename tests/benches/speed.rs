@@ -273,7 +273,7 @@ fn forward_frames() {
         step(2);
         let lines = black_box(forward::refitted(&even, &found));
         step(3);
-        black_box(walls.constraint(0.0, &lines, &PoseUnion::single(near)));
+        black_box(walls.constraint(0.0, &lines, &PoseUnion::single(near), &[]));
         step(4);
         black_box(forward::detect(&picture));
         step(5);

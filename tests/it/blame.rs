@@ -267,7 +267,8 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         method: "floor_tiles",
         claims: vec![Claim::FloorJoint { points_px, share_wrong: 0.2 }],
         quota: Quota::of_each(0),
-        alone_heading_rad: None,
+        alone: None,
+        is_held: false,
         rejected_px: Vec::new(),
         constrained: true,
         emptied: false,
@@ -338,8 +339,8 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
 fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting: Counting) {
     let image = image(record, Vec::new());
     let quota = Quota { items, things: 0, upright: 0, counting };
-    let (camera, alone_heading_rad) = (Some(Camera::Forward), Some(Interval::ZERO));
-    record.images.push(ImageRecord { camera, method: "wall_directions", claims, quota, alone_heading_rad, ..image });
+    let camera = Some(Camera::Forward);
+    record.images.push(ImageRecord { camera, method: "wall_directions", claims, quota, is_held: true, ..image });
 }
 
 /// A claim of a wall edge that is false, because the robot has no forward camera.

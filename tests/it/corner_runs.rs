@@ -194,6 +194,10 @@ impl Method for TooSmall {
         Some(Constraint { on_pose: Box::new(TooSmallOnPose(constraint.on_pose)), by_itself, relations, ..constraint })
     }
 
+    fn n_earlier(&self) -> usize {
+        self.method.n_earlier()
+    }
+
     fn memory(&self) -> Option<&dyn Memory> {
         self.method.memory().map(|_| self as &dyn Memory)
     }

@@ -4,7 +4,7 @@
 use interval::Interval;
 use localizer::{
     Method, Pose, PoseBox, PoseUnion, Reading, Status, bounds,
-    method::Context,
+    method::{Context, Window},
     methods::gnss_positions::{GnssPositions, Position},
     robot::RobotModel,
 };
@@ -214,6 +214,7 @@ fn positions_held_and_carried_by_the_motion_since_tell_the_heading_and_lose_no_t
             Some(PoseBox::from([way.x, way.y, turn_rad].map(|value| Interval::centred(value, 0.003))))
         };
         let mut width_rad = Vec::new();
+        let mut window = Window::new(method.n_earlier());
         for (index, pose) in poses.iter().enumerate() {
             let lever = Rotation2::new(pose.heading_rad) * Vector2::new(-0.15, 0.1);
             let mut off_m = || 0.01 * [-1.0, 1.0][rng.random_range(0..2)];
@@ -225,8 +226,10 @@ fn positions_held_and_carried_by_the_motion_since_tell_the_heading_and_lose_no_t
             ]);
             let reading = at_stamp(index as f64, told);
             let prior_union = PoseUnion::single(prior);
-            let context = Context { motion: &motion, ..Context::at_rest(&prior_union) };
+            let earlier = window.carried_to(index as f64, &motion);
+            let context = Context { motion: &motion, earlier: &earlier, ..Context::at_rest(&prior_union) };
             let constraint = method.constrain(&reading, &context).unwrap();
+            window.hold(index as f64, constraint.shown.unwrap());
             let mut domain = prior;
             constraint.on_pose.contract(&mut domain);
             assert!(domain.contains(&pose.to_array()), "{index}: {pose:?} {domain:?}");

@@ -2,8 +2,8 @@
 
 use interval::Interval;
 use localizer::{
-    Claim, Map, PoseBox, PoseUnion, RobotModel,
-    method::Memory,
+    Claim, Constraint, Map, PoseBox, PoseUnion, RobotModel,
+    method::{Memory, Method, MotionBetween, Window},
     methods::wall_directions::{Chain, IMAGES, Quotas, Setup, WallDirections},
     robot::{BodyModel, ErrorLaw, ForwardCameraModel, Reach, WheelModel},
     vision::forward::EdgeLine,
@@ -44,6 +44,37 @@ fn robot(body: BodyModel, reach: Reach) -> RobotModel {
     RobotModel { body, ..RobotModel::new(WheelModel::of_odometry(Interval::point(0.3), none, none), reach) }
 }
 
+/// The method with the images that are held for it, as the localizer does.
+struct Walls {
+    method: WallDirections,
+    held: Window,
+}
+
+impl Walls {
+    fn of(method: WallDirections) -> Walls {
+        Walls { held: Window::new(method.n_earlier()), method }
+    }
+
+    /// The constraint from the edges of an image with a stamp, to which the images before are carried by a motion.
+    fn carried(
+        &mut self,
+        stamp_s: f64,
+        edges: &[EdgeLine],
+        prior: &PoseUnion,
+        motion: MotionBetween,
+    ) -> Option<Constraint> {
+        let earlier = self.held.carried_to(stamp_s, motion);
+        let constraint = self.method.constraint(stamp_s, edges, prior, &earlier)?;
+        constraint.shown.iter().for_each(|shown| self.held.hold(stamp_s, shown.clone()));
+        Some(constraint)
+    }
+
+    /// The same for a robot that stands, with all images at one stamp.
+    fn constraint(&mut self, stamp_s: f64, edges: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
+        self.carried(stamp_s, edges, prior, &|_, _| None)
+    }
+}
+
 /// The method for a building where long edges on the floor run along walls; it solves for the lean of robot and camera. By the chain of the paper,
 /// whose edges are not refitted, it uses edges up to the greater width of their direction.
 fn setup(learns: bool) -> Setup {
@@ -56,11 +87,11 @@ fn without_wrong_edges() -> Setup {
     Setup { quotas, ..setup(false) }
 }
 
-fn method(directions_rad: &[f64], learns: bool) -> WallDirections {
+fn method(directions_rad: &[f64], learns: bool) -> Walls {
     let body = BodyModel { tilt_rad: 0.0, heave_m: 0.0, clearance_m: 0.1 };
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let directions: Vec<Interval> = directions_rad.iter().map(|&direction| Interval::point(direction)).collect();
-    WallDirections::with(camera([0.0; 5]), &robot(body, reach), &directions, setup(learns))
+    Walls::of(WallDirections::with(camera([0.0; 5]), &robot(body, reach), &directions, setup(learns)))
 }
 
 /// A camera as it truly is: focal length, principal point, distortion, and the rotation from the robot's frame (x forward, y left, z up).
@@ -145,7 +176,7 @@ const FIX_IMAGES: usize = 12;
 
 /// Headings that remain possible after `FIX_IMAGES` images that show the same edges, while the robot stands still; `None` if the method gives no
 /// constraint.
-fn fixed(method: &mut WallDirections, edges: &[EdgeLine], prior: &PoseUnion) -> Option<Vec<Interval>> {
+fn fixed(method: &mut Walls, edges: &[EdgeLine], prior: &PoseUnion) -> Option<Vec<Interval>> {
     let mut left = None;
     for _ in 0..FIX_IMAGES {
         left = method
@@ -299,7 +330,7 @@ fn more_images_in_a_row_that_refute_themselves_than_may_be_spoilt_are_a_contradi
     let prior = union(0.0, 0.06);
     let mut walls = on_a_body_that_leans(0.0005);
     for _ in 0..30 {
-        assert!(walls.constraint(0.0, &sane, &prior).is_some() && !walls.take_contradiction());
+        assert!(walls.constraint(0.0, &sane, &prior).is_some() && !walls.method.take_contradiction());
     }
     for n_refuted in 1..=15 {
         let told = walls.constraint(0.0, &refuted, &prior);
@@ -307,15 +338,15 @@ fn more_images_in_a_row_that_refute_themselves_than_may_be_spoilt_are_a_contradi
         // The method returns a constraint only to report the contradiction: it makes no claims, relies on no declared bounds, and is of the kind that
         // cannot end a doubt.
         assert!(told.is_none_or(|told| told.claims.is_empty() && !told.decides && told.relies_on.is_empty()));
-        assert_eq!(walls.take_contradiction(), n_refuted == 15, "{n_refuted}");
+        assert_eq!(walls.method.take_contradiction(), n_refuted == 15, "{n_refuted}");
     }
-    assert!(walls.constraint(0.0, &refuted, &prior).is_none() && !walls.take_contradiction());
+    assert!(walls.constraint(0.0, &refuted, &prior).is_none() && !walls.method.take_contradiction());
 }
 
 #[test]
 fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long() {
     let truth = leaning([0.0; 2]);
-    let n_claims = |walls: WallDirections, half_m: f64| {
+    let n_claims = |walls: Walls, half_m: f64| {
         let joint = sharp(rail(&truth, 0.0, [2.0, half_m, -0.4], [2.0, -half_m]));
         let edges = [wall(&truth, &[1.2, 1.5, 1.8]), vec![joint]].concat();
         let mut walls = walls;
@@ -330,7 +361,10 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
         Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 },
     );
     assert_eq!(
-        n_claims(WallDirections::with(camera([0.0; 5]), &robot(body, reach), &[Interval::ZERO], Setup::default()), 0.5),
+        n_claims(
+            Walls::of(WallDirections::with(camera([0.0; 5]), &robot(body, reach), &[Interval::ZERO], Setup::default())),
+            0.5
+        ),
         3
     );
 }
@@ -373,7 +407,7 @@ fn images_that_hold_too_few_edges_to_say_anything_end_no_doubt() {
     };
     let robot = RobotModel { forward_camera: Some(camera([0.0; 5])), ..crate::range_landmarks_setup::robot(0, 0) };
     let setup = Setup { solves_lean: true, decides: true, ..Setup::default() };
-    let mut walls = WallDirections::new(&map, &robot, setup).unwrap();
+    let mut walls = Walls::of(WallDirections::new(&map, &robot, setup).unwrap());
     let mut n_held = 0;
     let edges: Vec<EdgeLine> = (0..12).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
     for _ in 0..8 {
@@ -414,11 +448,11 @@ fn leaning(lean_rad: [f64; 2]) -> TrueCamera {
     }
 }
 
-fn on_a_body_that_leans(tilt_rad: f64) -> WallDirections {
+fn on_a_body_that_leans(tilt_rad: f64) -> Walls {
     with_mount_error(tilt_rad, 0.0, setup(false))
 }
 
-fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64, setup: Setup) -> WallDirections {
+fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64, setup: Setup) -> Walls {
     let body = BodyModel { tilt_rad, heave_m: 0.0, clearance_m: 0.1 };
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let exact = ForwardCameraModel {
@@ -428,7 +462,7 @@ fn with_mount_error(tilt_rad: f64, tilt_error_rad: f64, setup: Setup) -> WallDir
         tilt_error_rad,
         ..camera([0.0; 5])
     };
-    WallDirections::with(exact, &robot(body, reach), &[Interval::ZERO], setup)
+    Walls::of(WallDirections::with(exact, &robot(body, reach), &[Interval::ZERO], setup))
 }
 
 fn sharp(edge: EdgeLine) -> EdgeLine {
@@ -474,7 +508,7 @@ fn upright_edges_tell_a_lean() {
 
 /// Total width of the headings on which all edges of one image agree, by a method for which none of them may be wrong; `None` if the edges give no constraint. Asserts
 /// that these headings contain the true one.
-fn heading_of_image(mut walls: WallDirections, edges: &[EdgeLine], heading_rad: f64, prior: &PoseUnion) -> Option<f64> {
+fn heading_of_image(mut walls: Walls, edges: &[EdgeLine], heading_rad: f64, prior: &PoseUnion) -> Option<f64> {
     let constraint = walls.constraint(0.0, edges, prior)?;
     let branches = constraint.on_pose.branches(&prior.hull());
     let headings: Vec<Interval> = branches.iter().map(|branch| branch[2]).collect();
@@ -515,7 +549,8 @@ fn behind_a_bent_lens_no_error_of_its_optics_loses_the_heading() {
             })
             .collect();
         let prior = union(heading_rad + rng.random_range(-0.1..0.1), 0.12);
-        let walls = WallDirections::with(told, &robot(body, reach), &[Interval::ZERO], without_wrong_edges());
+        let method = WallDirections::with(told, &robot(body, reach), &[Interval::ZERO], without_wrong_edges());
+        let walls = Walls::of(method);
         n_told += usize::from(heading_of_image(walls, &edges, heading_rad, &prior).is_some());
     }
     assert!(n_told > rounds(600, 2000), "{n_told}");
@@ -589,14 +624,14 @@ fn a_direction_is_learnt_no_better_than_the_heading_was_known_and_goes_with_a_do
     let mut walls = method(&[0.0], true);
     let known = union(heading_rad + 0.01, 0.015);
     assert!(walls.constraint(2.0, &edges, &known).is_some());
-    walls.learn(&known, &|_, _| None);
-    let learnt = walls.directions_rad();
+    walls.method.learn(&known, &|_, _| None);
+    let learnt = walls.method.directions_rad();
     assert_eq!(learnt.len(), 2, "{learnt:?}");
     let quarters = ((wall_rad - learnt[1].mid()) / std::f64::consts::FRAC_PI_2).round();
     assert!((learnt[1] + Interval::PI * 0.5 * quarters).contains(wall_rad), "{learnt:?}");
     assert!(learnt[1].width() >= 0.03, "narrower than the heading: {learnt:?}");
-    walls.forget_since(1.5);
-    assert_eq!(walls.directions_rad().len(), 1);
+    walls.method.forget_since(1.5);
+    assert_eq!(walls.method.directions_rad().len(), 1);
 }
 
 #[test]
@@ -620,8 +655,8 @@ fn of_directions_that_the_edges_leave_open_none_is_learnt() {
         if walls.constraint(2.0, &edges, &known).is_none() {
             continue;
         }
-        walls.learn(&known, &|_, _| None);
-        if let [_, learnt] = walls.directions_rad()[..] {
+        walls.method.learn(&known, &|_, _| None);
+        if let [_, learnt] = walls.method.directions_rad()[..] {
             n_learnt += 1;
             let quarters = ((wall_rad - learnt.mid()) / std::f64::consts::FRAC_PI_2).round();
             let turned = wall_rad - quarters * std::f64::consts::FRAC_PI_2;
@@ -639,11 +674,11 @@ fn images_are_carried_by_the_turn_between_them() {
     let mut last = None;
     for image in 0..16 {
         let (stamp_s, heading_rad) = (f64::from(image), 0.2 * f64::from(image));
-        walls.carry_to(stamp_s, &|from_s, to_s| {
+        let motion = |from_s: f64, to_s: f64| {
             Some(PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(0.2 * (to_s - from_s), 0.001)]))
-        });
+        };
         let edges: Vec<EdgeLine> = (0..6).map(|_| truth.edge(0.0, heading_rad, &mut rng)).collect();
-        last = walls.constraint(stamp_s, &edges, &union(heading_rad, 0.1));
+        last = walls.carried(stamp_s, &edges, &union(heading_rad, 0.1), &motion);
     }
     let constraint = last.unwrap();
     assert!(constraint.claims.iter().all(|claim| matches!(claim, Claim::WallLine { .. })));

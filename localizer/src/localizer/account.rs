@@ -2,7 +2,7 @@
 
 use interval::Interval;
 
-use crate::{Constraint, PoseUnion, method::Claim, quota::Quota, reading::LandmarkId};
+use crate::{Constraint, PoseBox, PoseUnion, method::Claim, quota::Quota, reading::LandmarkId};
 
 /// Account of what one method and the localizer made of one reading of a camera, a range camera or another device.
 #[derive(Clone, Debug)]
@@ -15,8 +15,10 @@ pub struct Account {
     pub quota: Quota,
     /// Line segments that the method examined and rejected, `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
-    /// Interval for the heading by this reading alone, without the earlier ones; `None` where the reading gives none.
-    pub alone_heading_rad: Option<Interval>,
+    /// Box of the poses that this reading allows without the earlier ones; `None` where the method does not tell.
+    pub alone: Option<PoseBox>,
+    /// Whether the reading is one of those of which later constraints are made together.
+    pub is_held: bool,
     /// Whether the method made a constraint on the pose from the reading.
     pub constrained: bool,
     /// Whether the reading's constraint left no pose, which shows that an assumption failed.
@@ -36,7 +38,8 @@ impl Account {
             claims: Vec::new(),
             quota: Quota::of_each(0),
             rejected_px: Vec::new(),
-            alone_heading_rad: None,
+            alone: None,
+            is_held: false,
             constrained: false,
             emptied: false,
             posterior: prior.clone(),
@@ -51,7 +54,8 @@ impl Account {
             claims: constraint.claims.clone(),
             quota: constraint.quota,
             rejected_px: constraint.rejected_px.clone(),
-            alone_heading_rad: constraint.alone_heading_rad,
+            alone: constraint.alone,
+            is_held: constraint.shown.is_some(),
             constrained: true,
             emptied: false,
             prior,

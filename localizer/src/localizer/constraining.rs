@@ -1,10 +1,12 @@
 //! Constraints: methods read an image or another reading, and their constraints are applied at the reading's own stamp.
 
+use std::sync::Arc;
+
 use interval::Interval;
 
 use crate::{
     Constraint, PoseUnion, Reading,
-    method::{Context, Memory},
+    method::{Context, Memory, Restricts},
     reading::LandmarkId,
 };
 
@@ -29,7 +31,10 @@ impl Localizer {
                 accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
                 continue;
             };
-            let constraint = if constraint.heading_only { self.on_a_reading(constraint) } else { constraint };
+            let constraint = match constraint.restricts {
+                Restricts::Heading => self.on_a_reading(constraint),
+                Restricts::Pose => constraint,
+            };
             let (hung_s, source, relations) = (constraint.stamp_s, constraint.method, constraint.relations.clone());
             let device = device(reading, constraint.method);
             let mut account = self.hang(constraint, device, prior.clone());
@@ -51,9 +56,11 @@ impl Localizer {
         Observed::used(accounts)
     }
 
-    /// The constraint that a method makes of a reading; `prior` encloses the pose at its stamp.
+    /// The constraint that a method makes of a reading and of its earlier ones that are held; `prior` encloses the pose at the reading's stamp. What the
+    /// reading showed is held for later ones.
     fn constrain(&mut self, method: usize, reading: &Reading, prior: &PoseUnion) -> Option<Constraint> {
-        let twist = self.wheels.twist(reading.measured_s(), &self.robot.wheels);
+        let stamp_s = reading.measured_s();
+        let twist = self.wheels.twist(stamp_s, &self.robot.wheels);
         let (wheels, robot, is_doubted) = (&self.wheels, &self.robot, self.is_doubted());
         let (slip, fixes, doubt_ended_s) = (&self.slip, &self.fixes, self.doubts.ended_s);
         let motion = |from_s: f64, to_s: f64| {
@@ -70,8 +77,13 @@ impl Localizer {
             motion[2] = motion[2].intersect(turn?);
             Some(motion)
         };
-        self.methods[method]
-            .constrain(reading, &Context { prior, twist: &twist, motion: &motion, set_aside: &self.set_aside })
+        let earlier = self.windows[method].carried_to(stamp_s, &motion);
+        let context = Context { prior, twist: &twist, motion: &motion, earlier: &earlier, set_aside: &self.set_aside };
+        let constraint = self.methods[method].constrain(reading, &context)?;
+        if let Some(shown) = &constraint.shown {
+            self.windows[method].hold(stamp_s, Arc::clone(shown));
+        }
+        Some(constraint)
     }
 
     /// Lets a method learn from the reading that it constrained last, unless an assumption is doubted; returns the landmarks that it knows then.

@@ -18,7 +18,7 @@
 
 use interval::{Interval, IntervalBox};
 
-use crate::{Constraint, PoseBox, PoseUnion};
+use crate::{Constraint, PoseBox, PoseUnion, method::Window};
 
 use super::{
     Localizer, REMEMBER_S,
@@ -332,6 +332,8 @@ impl Localizer {
         }
         self.tell_wheels_of_gyro();
         self.graph.clear();
+        // Readings that are held were carried by a motion of the robot that may be false, and understood from poses that may be.
+        self.windows.iter_mut().for_each(Window::clear);
         for method in &mut self.methods {
             let name = method.name();
             let Some(memory) = method.memory_mut() else { continue };

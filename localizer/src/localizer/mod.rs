@@ -26,7 +26,7 @@ use crate::{
     Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
     markers::MarkerId,
-    method::Memory,
+    method::{Memory, Window},
     motion::{SlipExcess, WheelHistory, WheelIntegral, moved_union, reach_motion, steering},
 };
 
@@ -79,6 +79,8 @@ pub struct Localizer {
     map: Map,
     robot: RobotModel,
     methods: Vec<Box<dyn Method>>,
+    /// For each method, its latest readings of which it makes constraints together with the next one.
+    windows: Vec<Window>,
     wheels: WheelHistory,
     ring: Ring,
     /// Motion by the wheels, integrated since the stamp of the latest stored pose union.
@@ -123,6 +125,7 @@ impl Localizer {
             known_heading: (0.0, start[2]),
             relies_on: assumptions(&robot),
             graph: Graph::new(&robot),
+            windows: methods.iter().map(|method| Window::new(method.n_earlier())).collect(),
             map,
             robot,
             methods,
@@ -163,6 +166,7 @@ impl Localizer {
         self.slip = CertifiedSlip::new(memory_s(&self.robot));
         self.stale_s = f64::INFINITY;
         self.relies_on = assumptions(&self.robot);
+        self.windows.iter_mut().for_each(Window::clear);
         self.memories().for_each(|memory| memory.clock_set_back());
         self.begin_at(start);
         self.begin_fixes();

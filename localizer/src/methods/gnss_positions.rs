@@ -5,7 +5,7 @@
 //! declared error of the reported position, and b is the antenna on the robot, within the accuracy to which it was measured and the shift
 //! that the body's lean causes. One position bounds x and y, and with a lever arm b ≠ 0 bounds the heading to an arc.
 //!
-//! Positions of the last seconds are held. With the robot's motion since a held position, a displacement m and a turn δ, the antenna of
+//! Positions of the last seconds count as well. With the robot's motion since a held position, a displacement m and a turn δ, the antenna of
 //! that time lies at R(−δ)(b − m) as seen from the robot at the latest stamp, and in the world where the receiver reported it: another
 //! landmark of the same rigid motion. In this way the path between positions tells the heading. Once the heading is known to some degrees, the
 //! graph of key frames relates positions over minutes in the same way.
@@ -22,13 +22,12 @@ use interval::Interval;
 use crate::{
     Reading,
     bounds::{self, Assumption},
-    method::{Constraint, Context, Memory, Method},
+    method::{Constraint, Context, Method},
     motion::Motion,
     rigid_motion::{Landmark, RigidPlanar},
     robot::RobotModel,
 };
 
-use super::window::Window;
 use relate::AntennaAt;
 
 /// Name of the satellite navigation receiver as a device whose readings the method uses.
@@ -91,7 +90,6 @@ const FLOATING_ALIKE_S: f64 = 5.0;
 pub struct GnssPositions {
     receiver: ReceiverModel,
     robot: RobotModel,
-    held: Window<Held>,
     /// Stamp of the last floating satellite position that counted as evidence independent of those before it.
     floating_witness_s: f64,
 }
@@ -106,12 +104,7 @@ struct Held {
 impl GnssPositions {
     /// Makes the positioning method for a satellite navigation receiver on a robot.
     pub fn new(receiver: ReceiverModel, robot: &RobotModel) -> Self {
-        GnssPositions {
-            receiver,
-            robot: robot.clone(),
-            held: Window::new(MOST_HELD),
-            floating_witness_s: f64::NEG_INFINITY,
-        }
+        GnssPositions { receiver, robot: robot.clone(), floating_witness_s: f64::NEG_INFINITY }
     }
 
     /// Interval of the antenna's place in the robot frame, seen from above: a body that leans by up to φ shifts the antenna, at the height
@@ -155,9 +148,12 @@ impl Method for GnssPositions {
         matches!(reading, Reading::Other { device, .. } if device == DEVICE)
     }
 
+    fn n_earlier(&self) -> usize {
+        MOST_HELD
+    }
+
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
-        self.held.carry_to(*measured_s, context.motion);
         let told = Position::of(numbers)?;
         let (grade, within_m) = if told.is_fixed {
             (bounds::GNSS_FIXED, self.receiver.fixed_m)
@@ -166,10 +162,12 @@ impl Method for GnssPositions {
         };
         let in_world_m = told.at_m.map(|at_m| Interval::centred(at_m, within_m) + self.moved_m());
         let now = (in_world_m, self.antenna_m());
-        let held = self.held.iter().map(|held| (held.what.in_world_m, self.antenna_before_m(&held.moved)));
-        let landmarks: Vec<Landmark> = std::iter::once(now).chain(held).collect();
+        let held: Vec<(&Held, &Motion)> =
+            context.earlier.iter().filter_map(|earlier| Some((earlier.shown()?, &earlier.moved))).collect();
+        let before = held.iter().map(|(held, moved)| (held.in_world_m, self.antenna_before_m(moved)));
+        let landmarks: Vec<Landmark> = std::iter::once(now).chain(before).collect();
         let mut relies_on = RELIES_ON.to_vec();
-        for grade in std::iter::once(grade).chain(self.held.iter().map(|held| held.what.grade)) {
+        for grade in std::iter::once(grade).chain(held.iter().map(|(held, _)| held.grade)) {
             if !relies_on.contains(&grade) {
                 relies_on.push(grade);
             }
@@ -178,15 +176,14 @@ impl Method for GnssPositions {
         if !told.is_fixed && !is_alike {
             self.floating_witness_s = *measured_s;
         }
-        if self.held.latest().is_none_or(|last| *measured_s >= last.stamp_s + APART_S) {
-            self.held.push(*measured_s, Held { grade, in_world_m });
-        }
+        let is_apart = context.earlier.last().is_none_or(|last| *measured_s >= last.stamp_s + APART_S);
         Some(Constraint {
             by_itself: (landmarks.len() > 1).then(|| Box::new(RigidPlanar::new(&landmarks[..1])) as Box<_>),
             relies_on,
             // A single position leaves the heading open, but the many positions during a doubt about a failed assumption do not. So a
             // position counts as evidence to end the doubt, unless it is floating and soon after another.
             decides: !is_alike,
+            shown: is_apart.then(|| Arc::new(Held { grade, in_world_m }) as _),
             relations: Some(Arc::new(AntennaAt {
                 told_m: told.at_m,
                 within: (grade, within_m),
@@ -198,25 +195,5 @@ impl Method for GnssPositions {
             // the declared bound.
             ..Constraint::new(self.name(), *measured_s, RigidPlanar::new(&landmarks))
         })
-    }
-
-    fn memory(&self) -> Option<&dyn Memory> {
-        Some(self)
-    }
-
-    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
-        Some(self)
-    }
-}
-
-impl Memory for GnssPositions {
-    /// Drops all held positions, because the robot's motion by which they were carried may be false.
-    fn forget_since(&mut self, _since_s: f64) {
-        self.held.clear();
-    }
-
-    fn clock_set_back(&mut self) {
-        self.held.clear();
-        self.floating_witness_s = f64::NEG_INFINITY;
     }
 }

@@ -23,4 +23,3 @@ pub mod wall_bearings;
 #[cfg(feature = "vision")]
 pub mod wall_directions;
 pub mod wall_ranges;
-mod window;

@@ -36,7 +36,7 @@ use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::{self, Assumption},
     map::{Wall, WallMap},
-    method::{Claim, Constraint, Context, Memory, Method},
+    method::{Claim, Constraint, Context, Earlier, Method},
     quota::{Counting, Quota, share_of},
     reading::Camera,
     robot::{ForwardCameraModel, RobotModel},
@@ -46,8 +46,7 @@ use crate::{
 use super::{
     readout::{Readout, Tells},
     sight::elevation_of,
-    wall_directions::{BLUR_SHARE, NEW_PLACE_M, NEW_PLACE_RAD},
-    window::Window,
+    wall_directions::{BLUR_SHARE, is_new_place},
 };
 
 use matches::{Atlas, ImageEdge, Sighting};
@@ -119,6 +118,9 @@ impl Default for Setup {
     }
 }
 
+/// The sightings of one image, each with its pairs.
+type Pairs = Vec<Vec<Pair>>;
+
 /// A pair of an image edge and an edge of the map: the edge's bearing and the place on the map.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
@@ -140,8 +142,6 @@ pub struct WallBearings {
     posts: Arc<[Post]>,
     placement_m: f64,
     setup: Setup,
-    /// For each image held, its sightings.
-    seen: Window<Vec<Vec<Pair>>>,
 }
 
 impl WallBearings {
@@ -166,13 +166,17 @@ impl WallBearings {
             posts: posts(&walls.walls).into(),
             placement_m: walls.placement_m,
             setup,
-            seen: Window::new(IMAGES),
         }
     }
 
-    /// Constraint on the pose by the edges of an image with the given stamp, to which the images held have been carried; `None` when no edge may be
-    /// one of the map.
-    pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
+    /// Constraint on the pose by the edges of an image with the given stamp, and by the earlier images; `None` when no edge may be one of the map.
+    pub fn constraint(
+        &self,
+        stamp_s: f64,
+        lines: &[EdgeLine],
+        prior: &PoseUnion,
+        earlier: &[Earlier],
+    ) -> Option<Constraint> {
         let is_known = |branch: &PoseBox| (0..3).all(|axis| branch.width(axis) <= WIDEST[axis]);
         if prior.branches.len() > MOST_BRANCHES || !prior.branches.iter().all(is_known) {
             return None;
@@ -200,7 +204,8 @@ impl WallBearings {
                 |&[edge, post]: &[usize; 2]| Pair { bearing: edges[edge].bearing, post_m: self.posts[post].at_m };
             sighting.pairs.iter().map(pair).collect()
         };
-        self.seen.push(stamp_s, sightings.iter().map(pairs).collect());
+        let shown = Arc::new(sightings.iter().map(pairs).collect::<Pairs>());
+        let latest = Earlier::latest(stamp_s, Arc::clone(&shown) as _);
         let is_used = |edge: usize| sightings.iter().any(|sighting| sighting.edges.contains(&edge));
         let rejected = upright.iter().enumerate().filter(|(edge, _)| !is_used(*edge));
         let claim = |sighting: &Sighting| Claim::WallUpright {
@@ -222,17 +227,18 @@ impl WallBearings {
             // Without the images before, more sightings of an image may be false than its share, so that it says nothing by itself.
             by_itself: Some(Box::new(ByEdges::default())),
             decides: false,
-            ..Constraint::new(NAME, stamp_s, self.by_edges(prior.branches.len()))
+            shown: Some(shown),
+            ..Constraint::new(NAME, stamp_s, self.by_edges(earlier.iter().chain([&latest]), prior.branches.len()))
         })
     }
 
-    /// The contractor by the sightings of all images held, for a union of so many boxes.
-    fn by_edges(&self, n_boxes: usize) -> ByEdges {
+    /// The contractor by the sightings of several images, for a union of so many boxes.
+    fn by_edges<'a>(&self, images: impl Iterator<Item = &'a Earlier>, n_boxes: usize) -> ByEdges {
         let mut each = Vec::new();
-        for held in self.seen.iter() {
+        for image in images {
             // The robot has moved since: the eye of the image as seen from where the robot is now.
-            let turned = held.moved[2];
-            let [forward, left] = [0, 1].map(|axis| self.eye_m[axis] - held.moved[axis]);
+            let turned = image.moved[2];
+            let [forward, left] = [0, 1].map(|axis| self.eye_m[axis] - image.moved[axis]);
             let (sin, cos) = (turned.sin(), turned.cos());
             let eye_m = [cos * forward + sin * left, cos * left - sin * forward];
             let strip = |pair: &Pair| Strip {
@@ -241,7 +247,8 @@ impl WallBearings {
                 post_m: pair.post_m,
                 placement_m: self.placement_m,
             };
-            each.extend(held.what.iter().map(|pairs| pairs.iter().map(strip).collect::<Vec<Strip>>()));
+            let sightings = image.shown::<Pairs>().into_iter().flatten();
+            each.extend(sightings.map(|pairs| pairs.iter().map(strip).collect::<Vec<Strip>>()));
         }
         if each.len() < FEWEST_HELD {
             return ByEdges::default();
@@ -255,14 +262,6 @@ impl WallBearings {
         let [a, b] = line.ends_px;
         let upper = if a[1] <= b[1] { a } else { b };
         if upper[1] <= forward::GOES_ON_PX { None } else { elevation_of(upper, &self.camera) }
-    }
-
-    /// Whether the robot has moved or turned far enough since the last image held for a new image to be used.
-    fn is_new_place(&self) -> bool {
-        self.seen.latest().is_none_or(|last| {
-            let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
-            forward_m.hypot(left_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
-        })
     }
 }
 
@@ -278,12 +277,15 @@ impl Method for WallBearings {
         matches!(reading, Reading::Camera { camera: Camera::Forward, .. })
     }
 
+    fn n_earlier(&self) -> usize {
+        IMAGES - 1
+    }
+
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, exposure_s, image, .. } = reading else {
             return None;
         };
-        self.seen.carry_to(*measured_s, context.motion);
-        if self.posts.is_empty() || !self.is_new_place() {
+        if self.posts.is_empty() || !is_new_place(context.earlier) {
             return None;
         }
         let mut lines = forward::detect(&Picture::from(&**image));
@@ -291,26 +293,7 @@ impl Method for WallBearings {
         let moved_px = self.camera.focal_px.mid() * (context.twist.turn_rad_per_s * exposure_s).abs();
         lines.iter_mut().for_each(|line| line.bound_px += BLUR_SHARE * moved_px);
         let lines = self.readout.at_stamp(lines, Tells::Bearing, *measured_s, context.motion);
-        self.constraint(*measured_s, &lines, context.prior)
-    }
-
-    fn memory(&self) -> Option<&dyn Memory> {
-        Some(self)
-    }
-
-    fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
-        Some(self)
-    }
-}
-
-impl Memory for WallBearings {
-    fn forget_since(&mut self, _since_s: f64) {
-        // The images held were carried by a motion of the robot that may be false, and matched from poses that may be.
-        self.seen.clear();
-    }
-
-    fn clock_set_back(&mut self) {
-        self.seen.clear();
+        self.constraint(*measured_s, &lines, context.prior, context.earlier)
     }
 }
 

@@ -27,20 +27,21 @@ pub use quotas::Quotas;
 use agreement::WallHeadings;
 use held::{Certificates, headings_now};
 use learnt::Direction;
-use posture::{Agreement, Told, View};
+use posture::{Told, View};
+
+use std::sync::Arc;
 
 use super::{
     readout::{Readout, Tells},
     sight::{self, SightPlane},
-    window::{Held, Window},
 };
 
 use interval::Interval;
 
 use crate::{
-    Map, PoseUnion, Reading, RobotModel, bounds,
+    Map, PoseBox, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    method::{Claim, Constraint, Context, Memory, Method, MotionBetween},
+    method::{Claim, Constraint, Context, Earlier, Memory, Method, Restricts},
     reading::Camera,
     robot::ForwardCameraModel,
     vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},
@@ -82,9 +83,9 @@ const FAR_RAD: f64 = 0.1745;
 const FEWEST_FAR: usize = 5;
 /// Distance that the robot must have moved since the last image that is held for a new image to be used: an image from the same place shows the same
 /// edges, the wrong ones too, and says nothing new.
-pub(super) const NEW_PLACE_M: f64 = 0.03;
+const NEW_PLACE_M: f64 = 0.03;
 /// Angle that the robot must have turned since the last image that is held for a new image to be used, if it has not moved far enough.
-pub(super) const NEW_PLACE_RAD: f64 = 0.05;
+const NEW_PLACE_RAD: f64 = 0.05;
 /// Least number of agreeing edges from which a new direction of the building is learnt.
 const FEWEST_TO_LEARN: usize = 5;
 /// Greatest width of the interval for a building's direction that is learnt, and least angle between it and every direction that is known.
@@ -141,8 +142,6 @@ pub struct WallDirections {
     readout: Readout,
     directions: Vec<Direction>,
     learns: bool,
-    /// For each image held, the headings on which its level edges agree.
-    seen: Window<Agreement>,
     certificates: Certificates,
     /// Directions from robot forward, in the latest image, of edges that run along no known wall.
     strange_rad: Vec<Interval>,
@@ -174,21 +173,21 @@ impl WallDirections {
             readout: Readout::of(&camera, robot),
             directions: directions_rad.iter().map(known).collect(),
             learns,
-            seen: Window::new(if solves_lean { IMAGES } else { IMAGES_APART }),
             certificates: Certificates::default(),
             strange_rad: Vec::new(),
             latest_s: f64::NEG_INFINITY,
         }
     }
 
-    /// Carries the images held to the stamp of the next one.
-    pub fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
-        self.seen.carry_to(stamp_s, motion);
-    }
-
-    /// Constraint on the heading from the edges found in an image with the stamp `stamp_s`, to which the images held have been carried; `None` when
-    /// the edges are too few.
-    pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
+    /// Constraint on the heading from the edges found in an image with the stamp `stamp_s`, and from the earlier images; `None` when the edges are too
+    /// few.
+    pub fn constraint(
+        &mut self,
+        stamp_s: f64,
+        lines: &[EdgeLine],
+        prior: &PoseUnion,
+        earlier: &[Earlier],
+    ) -> Option<Constraint> {
         let directions_rad = self.directions_rad();
         let edges = self.sorted(lines, prior.hull()[2], &directions_rad);
         self.latest_s = stamp_s;
@@ -214,9 +213,7 @@ impl WallDirections {
             let is_spoilt = alone.is_empty() || (self.solves_lean && !is_upright);
             self.certificates.note(is_spoilt, self.most_spoilt());
         }
-        if !alone.is_empty() {
-            self.seen.push(stamp_s, agreement);
-        } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
+        if alone.is_empty() && !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
             // The edges are too few, or agree on no heading near those known before the image. In the second case more edges are wrong than the quota
             // declares, and it is counted in how many of the latest images that is so.
             return self.certificates.are_too_many.then(|| self.silent(stamp_s, edges.rejected_px));
@@ -224,19 +221,23 @@ impl WallDirections {
         let level = edges.level.iter().map(|line| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px });
         let upright =
             edges.upright.iter().map(|line| Claim::UprightLine { ends_px: line.ends_px, bound_px: line.bound_px });
-        let held = self.headings_held();
+        let shown = (!alone.is_empty()).then(|| Arc::new(agreement) as _);
+        let latest = shown.clone().map(|shown| Earlier::latest(stamp_s, shown));
+        let images: Vec<&Earlier> = earlier.iter().chain(&latest).collect();
+        let together = self.headings_together(&images);
         Some(Constraint {
             // Images whose edges rule out no heading agree with any pose, so they are no evidence to end a doubt about a failed assumption.
-            decides: self.decides && held.says_something(),
+            decides: self.decides && together.says_something(),
             // In a single image more edges may be wrong than its quota declares, so that it says nothing without the other images held.
             by_itself: Some(Box::new(WallHeadings::silent())),
-            heading_only: true,
+            restricts: Restricts::Heading,
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
             quota: self.quotas.of_image([n_level, edges.upright.len()], self.solves_lean),
             rejected_px: edges.rejected_px,
-            alone_heading_rad: (!alone.is_empty()).then_some(alone),
-            ..Constraint::new(self.name(), stamp_s, held)
+            alone: shown.is_some().then(|| PoseBox::from([Interval::ENTIRE, Interval::ENTIRE, alone])),
+            shown,
+            ..Constraint::new(self.name(), stamp_s, together)
         })
     }
 
@@ -248,34 +249,25 @@ impl WallDirections {
     /// A constraint that rules out no pose. It is returned instead of `None` so that the localizer checks whether the method has met a contradiction.
     fn silent(&self, stamp_s: f64, rejected_px: Vec<[f64; 4]>) -> Constraint {
         Constraint {
-            heading_only: true,
+            restricts: Restricts::Heading,
             decides: false,
             rejected_px,
             ..Constraint::new(self.name(), stamp_s, WallHeadings::silent())
         }
     }
 
-    /// Headings that the edges of all images held allow together, within the declared quotas of wrong edges.
-    fn headings_held(&self) -> WallHeadings {
+    /// Headings that the edges of several images allow together, within the declared quotas of wrong edges.
+    fn headings_together(&self, images: &[&Earlier]) -> WallHeadings {
+        let by_count = images.iter().map(|image| headings_now(image));
         if self.solves_lean {
-            let images = self.seen.iter().map(|seen| headings_now(seen).collect()).collect();
-            return WallHeadings::of_edges(images, &self.quotas);
+            return WallHeadings::of_edges(by_count.collect(), &self.quotas);
         }
-        let of_image = |seen: &Held<Agreement>| {
-            let n_level = seen.what.len();
-            headings_now(seen)
-                .nth((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1))
-                .unwrap_or_default()
+        let of_image = |by_count: Vec<Vec<Interval>>| {
+            let n_level = by_count.len();
+            let needed = n_level - self.quotas.wrong_of_image(n_level);
+            by_count.into_iter().nth(needed.saturating_sub(1)).unwrap_or_default()
         };
-        WallHeadings::of_images(self.seen.iter().map(of_image).collect(), &self.quotas)
-    }
-
-    /// Whether the robot has moved or turned far enough since the last image held for a new image to be used.
-    fn is_new_place(&self) -> bool {
-        self.seen.latest().is_none_or(|last| {
-            let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
-            forward_m.hypot(left_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
-        })
+        WallHeadings::of_images(by_count.map(of_image).collect(), &self.quotas)
     }
 
     /// Directions of the building that the map gives or that were learnt, modulo quarter turns.
@@ -293,12 +285,15 @@ impl Method for WallDirections {
         matches!(reading, Reading::Camera { camera: Camera::Forward, .. })
     }
 
+    fn n_earlier(&self) -> usize {
+        if self.solves_lean { IMAGES - 1 } else { IMAGES_APART - 1 }
+    }
+
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, exposure_s, image, .. } = reading else {
             return None;
         };
-        self.carry_to(*measured_s, context.motion);
-        if !self.is_new_place() {
+        if !is_new_place(context.earlier) {
             return None;
         }
         let picture = Picture::from(&**image);
@@ -317,7 +312,7 @@ impl Method for WallDirections {
             line.bound_px += BLUR_SHARE * moved_px * (v1 - v0).abs() / sight::length_px(line);
         }
         let lines = self.readout.at_stamp(lines, Tells::Direction, *measured_s, context.motion);
-        self.constraint(*measured_s, &lines, context.prior)
+        self.constraint(*measured_s, &lines, context.prior, context.earlier)
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
@@ -327,4 +322,12 @@ impl Method for WallDirections {
     fn memory_mut(&mut self) -> Option<&mut dyn Memory> {
         Some(self)
     }
+}
+
+/// Whether the robot has moved or turned far enough since the last of the earlier images for a new image to be used.
+pub(super) fn is_new_place(earlier: &[Earlier]) -> bool {
+    earlier.last().is_none_or(|last| {
+        let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
+        forward_m.hypot(left_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
+    })
 }

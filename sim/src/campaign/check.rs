@@ -14,7 +14,7 @@ mod way;
 use interval::Interval;
 use localizer::{
     Claim, Method, PoseBox, Reading,
-    method::{Constraint, Context},
+    method::{Constraint, Context, Restricts},
     pose::PoseUnion,
     quota::{Counting, Quota, share_of},
     reading::Camera,
@@ -217,7 +217,10 @@ impl Look {
                 constraint.claims.iter().filter(|claim| !is_true(claim, scene, drawn, truth)).collect();
             seen.false_claims += wrong.len();
             seen.beyond_quota += usize::from(is_beyond_quota(&constraint, &wrong));
-            tells = tells.max(if constraint.heading_only { Told::Heading } else { Told::Position });
+            tells = tells.max(match constraint.restricts {
+                Restricts::Heading => Told::Heading,
+                Restricts::Pose => Told::Position,
+            });
             claimed.extend(constraint.claims);
         }
         if let (Some(in_view), Some(read), Some(with_marker)) =

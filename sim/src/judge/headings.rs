@@ -20,7 +20,7 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
     }
     let fixes: Vec<_> = images
         .iter()
-        .filter_map(|image| Some((image.alone_heading_rad?, image.truth.pose.heading_rad)))
+        .filter_map(|image| Some((image.alone?[2], image.truth.pose.heading_rad)))
         .filter(|(heading, _)| heading.width() <= FIX_WIDTH_RAD)
         .collect();
     let held = fixes.iter().filter(|(heading, truth_rad)| heading.contains(*truth_rad)).count();

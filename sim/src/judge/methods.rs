@@ -94,17 +94,14 @@ impl HeldClaims {
     }
 }
 
-/// For each image, the counts over the last images up to it whose claims its quota counts together; `None` for an image whose claims are counted
+/// For each image, the counts over the last images up to it that the method holds, whose claims its quota counts together; `None` for an image whose claims are counted
 /// alone.
 pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
     let mut seen: BTreeMap<&str, Vec<HeldClaims>> = BTreeMap::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
         let (Counting::Readings { of, .. } | Counting::Together { of, .. }) = image.quota.counting else { return None };
         let seen = seen.entry(image.method).or_default();
-        // An image of level edges that gives no heading on its own is not among the images whose claims are counted together. An image of upright
-        // edges of walls gives none, and is.
-        let is_of_uprights = image.claims.iter().any(|claim| matches!(claim, Claim::WallUpright { .. }));
-        if image.alone_heading_rad.is_some() || is_of_uprights {
+        if image.is_held {
             let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
             seen.push(HeldClaims::of(all, &image.quota, *judged));
         }

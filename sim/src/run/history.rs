@@ -121,8 +121,10 @@ pub struct ImageRecord {
     pub quota: Quota,
     /// Line segments that the method looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
-    /// Heading that this image gives on its own, without the images before it.
-    pub alone_heading_rad: Option<Interval>,
+    /// Box of the poses that this image allows on its own, without the images before it; none where the method does not tell.
+    pub alone: Option<PoseBox>,
+    /// Whether the method makes later constraints of this image and of theirs together.
+    pub is_held: bool,
     /// Whether the method made a constraint on the robot's pose from the image.
     pub constrained: bool,
     /// Whether the constraint left the union of boxes empty.

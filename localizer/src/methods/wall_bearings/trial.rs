@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use super::*;
 use crate::{
     graph::trial::{self, Draw, rounds},
+    method::Window,
     motion::Motion,
     robot::{BodyModel, Reach},
 };
@@ -207,16 +208,18 @@ impl Trial {
     /// What the method leaves of the last of the given boxes, one at each image, and the number of false sightings of all images.
     fn left(&self, priors: &[PoseBox], quotas: Quotas) -> (PoseUnion, usize, usize) {
         let setup = Setup { tallest_thing_m: 0.0, quotas };
-        let mut method = WallBearings::new(self.camera, &self.walls, setup, &self.robot);
+        let method = WallBearings::new(self.camera, &self.walls, setup, &self.robot);
+        let mut window = Window::new(method.n_earlier());
         let (mut n_false, mut n_all) = (0, 0);
         let mut left = PoseUnion::single(priors[priors.len() - 1]);
         for (index, (image, prior)) in self.images.iter().zip(priors).enumerate() {
             let pose_at = |stamp_s: f64| self.poses[stamp_s.round() as usize];
             let motion = |from_s: f64, to_s: f64| Some(self.motion(pose_at(from_s), pose_at(to_s)));
-            method.seen.carry_to(index as f64, &motion);
+            let earlier = window.carried_to(index as f64, &motion);
             let lines: Vec<EdgeLine> = image.iter().map(|(line, _)| *line).collect();
             let prior = PoseUnion::single(*prior);
-            let Some(constraint) = method.constraint(index as f64, &lines, &prior) else { continue };
+            let Some(constraint) = method.constraint(index as f64, &lines, &prior, &earlier) else { continue };
+            constraint.shown.iter().for_each(|shown| window.hold(index as f64, shown.clone()));
             for claim in &constraint.claims {
                 n_all += 1;
                 n_false += usize::from(!self.is_true(claim, image));

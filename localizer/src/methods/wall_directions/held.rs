@@ -4,11 +4,14 @@ use std::collections::VecDeque;
 
 use interval::Interval;
 
-use super::{super::window::Held, posture::Agreement};
+use crate::method::Earlier;
 
-/// For each count, from one up, the headings at the latest stamp on which so many level edges of an image that is held agree.
-pub(super) fn headings_now(seen: &Held<Agreement>) -> impl Iterator<Item = Vec<Interval>> {
-    seen.what.iter().map(|headings| headings.iter().map(|&heading| heading + seen.moved[2]).collect())
+use super::posture::Agreement;
+
+/// For each count, from one up, the headings at the latest stamp on which so many level edges of an earlier image agree.
+pub(super) fn headings_now(image: &Earlier) -> Vec<Vec<Interval>> {
+    let by_count = image.shown::<Agreement>().into_iter().flatten();
+    by_count.map(|headings| headings.iter().map(|&heading| heading + image.moved[2]).collect()).collect()
 }
 
 /// Record of which images in a sequence certainly have more wrong edges than declared, provided that the prior was right: at no heading

@@ -43,8 +43,6 @@ impl Memory for WallDirections {
 
     fn forget_since(&mut self, since_s: f64) {
         self.directions.retain(|direction| direction.since_s <= since_s);
-        // The images held were carried by a motion of the robot that may be false, so that the headings which they imply are not known.
-        self.seen.clear();
         self.certificates = Certificates::default();
     }
 
@@ -57,7 +55,6 @@ impl Memory for WallDirections {
     }
 
     fn clock_set_back(&mut self) {
-        self.seen.clear();
         self.directions.iter_mut().for_each(|direction| direction.since_s = f64::NEG_INFINITY);
     }
 }
