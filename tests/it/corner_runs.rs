@@ -10,7 +10,7 @@ use localizer::{
     bounds::Assumption,
     graph::{Disc, Domain, Relations, Row, Stray, Variable},
     localizer::Account,
-    method::{Context, Memory, MotionBetween, OnPose},
+    method::{Context, Knowledge, Memory, MotionBetween, OnPose, Shown},
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
@@ -208,12 +208,16 @@ impl Method for TooSmall {
 }
 
 impl Memory for TooSmall {
-    fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween<'_>) {
-        self.method.memory_mut().into_iter().for_each(|memory| memory.learn(posterior, motion));
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, motion: MotionBetween<'_>) {
+        self.method.memory_mut().into_iter().for_each(|memory| memory.learn(shown, posterior, motion));
     }
 
-    fn forget_since(&mut self, since_s: f64) {
-        self.method.memory_mut().into_iter().for_each(|memory| memory.forget_since(since_s));
+    fn knowledge(&self) -> Option<Knowledge> {
+        self.method.memory()?.knowledge()
+    }
+
+    fn go_back(&mut self, known: &Knowledge) {
+        self.method.memory_mut().into_iter().for_each(|memory| memory.go_back(known));
     }
 
     fn clock_set_back(&mut self) {
@@ -224,8 +228,8 @@ impl Memory for TooSmall {
         self.method.memory_mut().is_some_and(|memory| memory.take_contradiction())
     }
 
-    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
-        Some(Box::new(TooSmallOnPose(self.method.memory()?.on_pose_again(stamp_s)?)))
+    fn on_pose_again(&self, shown: &Shown) -> Option<OnPose> {
+        Some(Box::new(TooSmallOnPose(self.method.memory()?.on_pose_again(shown)?)))
     }
 
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {

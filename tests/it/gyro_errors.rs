@@ -47,7 +47,7 @@ fn the_bias_shrinks_at_rest_and_between_two_headings() {
 }
 
 #[test]
-fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
+fn a_learnt_bias_wanders_and_what_contradicts_it_is_not_learnt() {
     let exact = GyroModel { scale: Interval::point(1.0), bias_wander_rad_per_s2: 1e-5, ..gyro() };
     let mut errors = GyroErrors::new(&exact);
     let still = |errors: &mut GyroErrors, span_s: [f64; 2], bias: [f64; 2]| {
@@ -62,15 +62,12 @@ fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
     // side.
     assert!(at(&errors, 120.0).contains(0.0029) && !at(&errors, 120.0).contains(0.0028));
     assert!(matches!(still(&mut errors, [20.0, 21.0], [-0.009, -0.008]), Outcome::Empty(_)));
-    errors.forget_since(15.0);
-    assert!(at(&errors, 20.0).contains(0.0020) && at(&errors, 20.0).contains(0.0060));
-    errors.forget_since(5.0);
-    let declared = at(&errors, 20.0);
-    assert!((declared.width() - 2.0 * BIAS_TOLERANCE_RAD_PER_S).abs() < 1e-9, "{declared:?}");
+    // What contradicts it leaves it as it was.
+    assert!(at(&errors, 20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));
 }
 
 #[test]
-fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
+fn what_comes_late_counts_from_when_it_came() {
     let mut errors = GyroErrors::new(&GyroModel { bias_wander_rad_per_s2: 1e-5, ..gyro() });
     let exact = |bias: [f64; 2], lasts_s: f64| Interval::new(bias[0] * lasts_s, bias[1] * lasts_s);
     assert_eq!(errors.learn([10.0, 20.0], exact([0.002, 0.006], 10.0), Interval::ZERO), Outcome::Feasible);
@@ -81,9 +78,6 @@ fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
     // By hand: what was learnt from the time interval that begins at 0 s is widened by up to 1e-5·20 rad/s at 20 s, because the bias may wander that
     // far in between.
     assert!(known.contains(0.0029) && !known.contains(0.0027) && known.contains(0.0060), "{known:?}");
-    errors.forget_since(15.0);
-    let declared = errors.bias_over([20.0; 2]);
-    assert!((declared.width() - 2.0 * BIAS_TOLERANCE_RAD_PER_S).abs() < 1e-9, "{declared:?}");
 }
 
 #[test]

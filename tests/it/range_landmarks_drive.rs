@@ -121,7 +121,7 @@ impl Drive {
                 let within = told.iter().filter(|(stamp_s, _)| *stamp_s > from_s + 1e-6 && *stamp_s < to_s + 1e-6);
                 Some(within.fold(IntervalBox::point(&[0.0; 3]), |way, (_, step)| moved(&way, step)))
             };
-            self.method.learn(&self.pose, &between);
+            self.method.learn(&constraint.shown.unwrap(), Some(&self.pose), &between);
         }
         let truth = self.path.pose(self.time_s);
         assert!(
@@ -266,10 +266,10 @@ fn what_is_learnt_after_a_doubt_began_is_unlearnt_exactly() {
         let path = circle(&mut rng);
         let mut drive = Drive::new(full(Solver::OneShot), wrong, path, 40, rng);
         (0..50).for_each(|_| drive.step());
-        let (since_s, known) = (drive.time_s - STEP_S, drive.places());
+        let (knowledge, known) = (drive.method.knowledge().unwrap(), drive.places());
         (0..30).for_each(|_| drive.step());
         assert_ne!(drive.places(), known, "nothing was learnt: the test says nothing");
-        drive.method.forget_since(since_s + 1e-6);
+        drive.method.go_back(&knowledge);
         assert_eq!(drive.places(), known);
     }
 }
@@ -282,15 +282,17 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
         let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 120, rng);
         (0..40).for_each(|_| drive.step());
         let (since_s, pose) = (drive.time_s - STEP_S, drive.pose.clone());
+        let knowledge = drive.method.knowledge().unwrap();
         // For two seconds the method is taught wrongly: the robot moves on along its path, while the method is given poses and motions that say that
         // the robot stands still.
         for _ in 0..20 {
             let reading = drive.reading();
-            drive.method.constrain(&reading, &Context::at_rest(&pose));
-            drive.method.learn(&pose, &|_, _| Some(IntervalBox::point(&[0.0; 3])));
+            let constraint = drive.method.constrain(&reading, &Context::at_rest(&pose)).unwrap();
+            let still = |_: f64, _: f64| Some(IntervalBox::point(&[0.0; 3]));
+            drive.method.learn(&constraint.shown.unwrap(), Some(&pose), &still);
             drive.time_s += STEP_S;
         }
-        drive.method.forget_since(since_s + 1e-6);
+        drive.method.go_back(&knowledge);
         // The simulated time is set back, which puts the robot on its path one step after the last reading before the method was taught wrongly.
         drive.time_s = since_s + STEP_S;
         drive.pose = pose;
@@ -316,7 +318,6 @@ fn a_clock_set_back_keeps_what_is_known() {
     (0..50).for_each(|_| drive.step());
     let known = drive.places();
     drive.method.clock_set_back();
-    drive.method.forget_since(-1.0);
     assert_eq!(drive.places(), known);
 }
 

@@ -1,9 +1,11 @@
 //! Tests of the method with unmapped landmarks: which sightings must not be taken for consecutive, and which knowledge must not outlive a doubt.
 
+use std::sync::Arc;
+
 use interval::Interval;
 use localizer::{
     Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
-    method::{Context, Memory, OnPose},
+    method::{Context, Knowledge, Memory, OnPose, Shown},
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     reading::Sighting,
 };
@@ -46,13 +48,11 @@ impl Stand {
     fn receive(&mut self, stamp_s: f64, arrived_s: f64, sighting: Sighting, is_learnt: bool) {
         let pose = PoseUnion::single(PoseBox::point(&[0.0; 3]));
         let reading = Reading::Range { measured_s: stamp_s, arrived_s, sightings: vec![sighting] };
-        self.method.constrain(&reading, &Context::at_rest(&pose));
-        if is_learnt {
-            self.method.learn(&pose, &|from_s, to_s| {
-                assert!(from_s <= to_s, "motion is asked from {from_s} s back to {to_s} s");
-                Some(PoseBox::point(&[0.0; 3]))
-            });
-        }
+        let constraint = self.method.constrain(&reading, &Context::at_rest(&pose)).unwrap();
+        self.method.learn(&constraint.shown.unwrap(), is_learnt.then_some(&pose), &|from_s, to_s| {
+            assert!(from_s <= to_s, "motion is asked from {from_s} s back to {to_s} s");
+            Some(PoseBox::point(&[0.0; 3]))
+        });
         for (_, [x, y]) in self.method.landmarks() {
             assert!(x.contains(self.truth[0]) && y.contains(self.truth[1]), "{x:?}, {y:?} after {stamp_s} s");
         }
@@ -76,8 +76,9 @@ fn what_is_unlearnt_ends_a_window() {
     let mut stand = Stand::new(2);
     let (right, wrong) = (stand.right, stand.wrong);
     stand.read(0.0, wrong, true);
+    let knowledge = stand.method.knowledge().unwrap();
     stand.read(0.2, right, true);
-    stand.method.forget_since(0.1);
+    stand.method.go_back(&knowledge);
     for (stamp_s, sighting) in [(0.4, right), (0.6, wrong), (0.8, right), (1.0, right), (1.2, wrong), (1.4, right)] {
         stand.read(stamp_s, sighting, true);
     }
@@ -238,7 +239,7 @@ impl Method for Believer {
     fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         self.n_readings += 1;
         let x_m = if self.n_readings == 1 { 0.0 } else { 0.5 };
-        Some(says(self.name(), reading, 0, Interval::centred(x_m, 0.01)))
+        Some(says(self.name(), reading, 0, Interval::centred(x_m, 0.01)).showing(()))
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
@@ -251,13 +252,17 @@ impl Method for Believer {
 }
 
 impl Memory for Believer {
-    fn forget_since(&mut self, _since_s: f64) {
+    fn knowledge(&self) -> Option<Knowledge> {
+        Some(Arc::new(()))
+    }
+
+    fn go_back(&mut self, _known: &Knowledge) {
         self.has_forgotten = true;
     }
 
     fn clock_set_back(&mut self) {}
 
-    fn on_pose_again(&self, _stamp_s: f64) -> Option<OnPose> {
+    fn on_pose_again(&self, _shown: &Shown) -> Option<OnPose> {
         self.has_forgotten.then(|| Box::new(Only(0, Interval::centred(0.5, 0.01))) as OnPose)
     }
 }

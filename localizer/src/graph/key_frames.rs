@@ -9,6 +9,7 @@ use interval::Interval;
 
 use crate::{
     PoseBox, RobotModel,
+    method::Shown,
     motion::{FlowWay, Way},
     robot::{GyroModel, cayley_radius},
 };
@@ -52,6 +53,8 @@ pub struct FrameReading {
     pub source: &'static str,
     /// What the reading relates.
     pub relations: Arc<dyn Relations>,
+    /// What the reading showed, of which its relations can be made anew.
+    pub shown: Option<Shown>,
     /// How far the robot can have gone between the reading's stamp and its true instant.
     stray: Stray,
     /// Number by which the reading's own quantities are told apart from those of all other readings. The first reading of a key frame has the key
@@ -322,7 +325,12 @@ pub struct Unlinked {
 impl FrameReading {
     /// A reading of a source, for a key frame.
     pub fn new(source: &'static str, relations: Arc<dyn Relations>, stray: Stray) -> FrameReading {
-        FrameReading { source, relations, stray, number: 0 }
+        FrameReading { source, relations, shown: None, stray, number: 0 }
+    }
+
+    /// The same reading, with what it showed.
+    pub fn showing(self, shown: Option<Shown>) -> FrameReading {
+        FrameReading { shown, ..self }
     }
 
     /// How far the pose that the reading shows may be from the pose at its stamp.

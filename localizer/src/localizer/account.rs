@@ -55,7 +55,7 @@ impl Account {
             quota: constraint.quota,
             rejected_px: constraint.rejected_px.clone(),
             alone: constraint.alone,
-            is_held: constraint.shown.is_some(),
+            is_held: constraint.is_held,
             constrained: true,
             emptied: false,
             prior,

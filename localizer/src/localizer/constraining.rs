@@ -6,11 +6,11 @@ use interval::Interval;
 
 use crate::{
     Constraint, PoseUnion, Reading,
-    method::{Context, Memory, Restricts},
+    method::{Context, Memory, Restricts, Shown},
     reading::LandmarkId,
 };
 
-use super::{Account, Dropped, Localizer, Observed, moves::motion_between, naming, ring::Slot};
+use super::{Account, Dropped, Localizer, Observed, moves::motion_between, naming, relating::Relating, ring::Slot};
 
 impl Localizer {
     /// Lets every method read an image or other reading, and applies the resulting constraints at the reading's own stamp.
@@ -35,14 +35,15 @@ impl Localizer {
                 Restricts::Heading => self.on_a_reading(constraint),
                 Restricts::Pose => constraint,
             };
-            let (hung_s, source, relations) = (constraint.stamp_s, constraint.method, constraint.relations.clone());
+            let (hung_s, source, shown) = (constraint.stamp_s, constraint.method, constraint.shown.clone());
+            let relations = constraint.relations.clone();
             let device = device(reading, constraint.method);
             let mut account = self.hang(constraint, device, prior.clone());
             let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.merged().hull()[2]);
             if hung_s != stamp_s {
                 account.posterior = self.union_at(stamp_s).unwrap_or_default();
             }
-            account.landmarks = self.learn(idx, &account.posterior);
+            account.landmarks = self.learn(idx, shown.as_ref(), &account.posterior);
             let contradicts = |memory: &mut dyn Memory| memory.take_contradiction();
             let is_sound =
                 self.learn_heading(hung_s, fixed) && !self.methods[idx].memory_mut().is_some_and(contradicts);
@@ -50,7 +51,7 @@ impl Localizer {
                 self.begin_doubt(None);
             }
             let posterior = self.ring.at(hung_s).map(Slot::merged).unwrap_or_default();
-            self.relate(hung_s, &posterior, relations.map(|relations| (source, relations)));
+            self.relate(hung_s, &posterior, relations.map(|relations| Relating { source, relations, shown }));
             accounts.push(account);
         }
         Observed::used(accounts)
@@ -80,19 +81,24 @@ impl Localizer {
         let earlier = self.windows[method].carried_to(stamp_s, &motion);
         let context = Context { prior, twist: &twist, motion: &motion, earlier: &earlier, set_aside: &self.set_aside };
         let constraint = self.methods[method].constrain(reading, &context)?;
-        if let Some(shown) = &constraint.shown {
+        if let Some(shown) = constraint.shown.as_ref().filter(|_| constraint.is_held) {
             self.windows[method].hold(stamp_s, Arc::clone(shown));
         }
         Some(constraint)
     }
 
-    /// Lets a method learn from the reading that it constrained last, unless an assumption is doubted; returns the landmarks that it knows then.
-    fn learn(&mut self, method: usize, posterior: &PoseUnion) -> Vec<(LandmarkId, [Interval; 2])> {
+    /// Lets a method learn from what a reading showed; returns the landmarks that it knows then.
+    fn learn(
+        &mut self,
+        method: usize,
+        shown: Option<&Shown>,
+        posterior: &PoseUnion,
+    ) -> Vec<(LandmarkId, [Interval; 2])> {
         let is_doubted = self.is_doubted();
         let (wheels, robot, slip, doubt_ended_s) = (&self.wheels, &self.robot, &self.slip, self.doubts.ended_s);
         let Some(memory) = self.methods[method].memory_mut() else { return Vec::new() };
-        if !is_doubted {
-            memory.learn(posterior, &|from_s, to_s| {
+        if let Some(shown) = shown {
+            memory.learn(shown, Some(posterior).filter(|_| !is_doubted), &|from_s, to_s| {
                 motion_between(wheels, robot, slip, false, [from_s, to_s]).filter(|_| from_s >= doubt_ended_s)
             });
         }

@@ -289,7 +289,7 @@ impl Localizer {
         self.set_aside.extend(supported.flat_map(|(one, _)| &one.misplaced));
         // If everything known before was false, the heading fixes of that time and what was learnt from them are false as well.
         if let (Failed::Memory, Some(fixes)) = (hypothesis.failed, &mut self.fixes) {
-            fixes.forget_since(f64::NEG_INFINITY);
+            fixes.forget();
         }
         self.doubts.ended_s = last.stamp_s;
         self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];
@@ -327,20 +327,18 @@ impl Localizer {
     /// first of these constraints, or infinity if there is none.
     fn unlearn_since(&mut self, since_s: f64) -> f64 {
         let mut first_s = f64::INFINITY;
-        if let Some(fixes) = &mut self.fixes {
-            fixes.forget_since(since_s);
-        }
+        self.go_back(since_s);
         self.tell_wheels_of_gyro();
         self.graph.clear();
         // Readings that are held were carried by a motion of the robot that may be false, and understood from poses that may be.
         self.windows.iter_mut().for_each(Window::clear);
-        for method in &mut self.methods {
+        for method in &self.methods {
             let name = method.name();
-            let Some(memory) = method.memory_mut() else { continue };
-            memory.forget_since(since_s);
+            let Some(memory) = method.memory() else { continue };
             for slot in self.ring.iter_mut() {
                 let hung = slot.constraint.as_mut().filter(|hung| hung.method == name);
-                if let (Some(constraint), Some(on_pose)) = (hung, memory.on_pose_again(slot.stamp_s)) {
+                let Some(constraint) = hung else { continue };
+                if let Some(on_pose) = constraint.shown.as_ref().and_then(|shown| memory.on_pose_again(shown)) {
                     constraint.on_pose = on_pose;
                     first_s = first_s.min(slot.stamp_s);
                 }

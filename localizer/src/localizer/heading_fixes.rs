@@ -47,6 +47,12 @@ pub(super) struct HeadingFixes {
     rested_s: f64,
 }
 
+/// What was known of the gyroscope's errors and of headings at one time.
+pub(super) struct KnownFixes {
+    errors: GyroErrors,
+    fixes: VecDeque<Fix>,
+}
+
 /// A heading that is known at a stamp.
 #[derive(Clone, Copy, Debug)]
 struct Fix {
@@ -179,9 +185,20 @@ impl HeadingFixes {
         self.errors.scale()
     }
 
-    /// Forgets what was learnt about the gyroscope later than `since_s`, and all later heading fixes.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        self.errors.forget_since(since_s);
-        self.fixes.retain(|fix| fix.stamp_s <= since_s);
+    /// What is known of the gyroscope's errors and of headings now.
+    pub(super) fn known(&self) -> KnownFixes {
+        KnownFixes { errors: self.errors.clone(), fixes: self.fixes.clone() }
+    }
+
+    /// Takes back what was learnt of the gyroscope's errors, and all headings, since the time at which that was known.
+    pub(super) fn go_back(&mut self, known: &KnownFixes) {
+        self.errors.clone_from(&known.errors);
+        self.fixes.clone_from(&known.fixes);
+    }
+
+    /// Takes back all that was learnt of the gyroscope's errors, and all headings.
+    pub(super) fn forget(&mut self) {
+        self.errors = GyroErrors::new(&self.model);
+        self.fixes.clear();
     }
 }

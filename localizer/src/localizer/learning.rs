@@ -16,6 +16,7 @@ impl Localizer {
         let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
         self.fixes = self.robot.gyro.map(|model| HeadingFixes::new(model, change_rad_per_s2, rest_turn_rad));
         self.begin_fixes();
+        self.begin_knowledge();
         self
     }
 

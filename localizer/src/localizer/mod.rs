@@ -19,6 +19,7 @@ mod predicting;
 mod relating;
 mod ring;
 mod slip;
+mod unlearning;
 
 use interval::Interval;
 
@@ -44,6 +45,7 @@ use relating::Graph;
 pub use relating::PoseWidth;
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
+use unlearning::EarlierKnowledge;
 
 /// Age, in seconds, up to which a reading's stamp is accepted: an older reading is refused, and stored pose unions are recomputed no further back.
 const REMEMBER_S: f64 = 3.0;
@@ -102,6 +104,8 @@ pub struct Localizer {
     /// none.
     stale_s: f64,
     relies_on: Vec<Assumption>,
+    /// What was known at earlier times, to go back to.
+    earlier: EarlierKnowledge,
     /// Heading fixes (headings known at single stamps) from which the gyroscope's bias is learnt; `None` if the bias is not learnt.
     fixes: Option<HeadingFixes>,
     /// Key frames of the drive, with what relates them.
@@ -137,6 +141,7 @@ impl Localizer {
             doubts: Doubts::default(),
             set_aside: Vec::new(),
             stale_s: f64::INFINITY,
+            earlier: EarlierKnowledge::default(),
             fixes: None,
             post_window: None,
             naming: Naming::default(),
@@ -147,6 +152,7 @@ impl Localizer {
             localizer.graph.frames.keep_all();
         }
         localizer.begin_at(start);
+        localizer.begin_knowledge();
         localizer
     }
 
@@ -170,6 +176,7 @@ impl Localizer {
         self.memories().for_each(|memory| memory.clock_set_back());
         self.begin_at(start);
         self.begin_fixes();
+        self.begin_knowledge();
     }
 
     /// Announces the time spans of the coming drive in which the wheels slip by more than declared. They are known only when a run is simulated again

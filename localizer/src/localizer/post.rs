@@ -166,7 +166,7 @@ impl Localizer {
                 reading.relations = Arc::clone(relations);
             }
         }
-        let (Ok(related), Some(newest_s)) = (frames.related(&[]), frames.latest_s()) else { return };
+        let Ok(related) = frames.related(&[]) else { return };
         let is_point = |one: &Variable| matches!(one, Variable::Point(..));
         let wanted: Vec<Variable> = related.variables.iter().copied().filter(is_point).collect();
         let mut hull = Hull::new(related, wanted.clone());
@@ -174,22 +174,23 @@ impl Localizer {
         let Some(bounds) = hull.bounds() else { return };
         let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
         if let Some(memory) = self.methods[at].memory_mut() {
-            memory.narrow(&bounds, newest_s);
+            memory.narrow(&bounds);
         }
     }
 
     /// Bounds all that so many key frames relate, from that with the given place among all on.
     fn bound_window(&mut self, first: usize, window: usize) -> bool {
         let mut frames = self.graph.frames.window(first, window);
-        for (stamp_s, reading) in frames.readings_mut() {
+        for (_, reading) in frames.readings_mut() {
             let method = self.methods.iter().find(|method| method.name() == reading.source);
-            if let Some(anew) = method.and_then(|method| method.memory()?.relations_again(stamp_s)) {
+            let memory = method.and_then(|method| method.memory());
+            let shown = reading.shown.as_ref();
+            if let Some(anew) = memory.zip(shown).and_then(|(memory, shown)| memory.relations_again(shown)) {
                 reading.relations = anew;
             }
         }
-        let newest_s = frames.latest_s();
         // Where a quantity is not bounded, nothing can be told.
-        let (Ok(related), Some(newest_s)) = (frames.related(&self.landmarks()), newest_s) else { return true };
+        let Ok(related) = frames.related(&self.landmarks()) else { return true };
         let is_wanted = |one: &Variable| matches!(one, Variable::Pose(..) | Variable::Point(..));
         let wanted: Vec<Variable> = related.variables.iter().copied().filter(is_wanted).collect();
         let mut hull = Hull::new(related, wanted.clone());
@@ -197,7 +198,7 @@ impl Localizer {
         let Some(bounds) = hull.bounds() else { return false };
         let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
         self.graph.frames.narrow(&bounds);
-        self.memories().for_each(|memory| memory.narrow(&bounds, newest_s));
+        self.memories().for_each(|memory| memory.narrow(&bounds));
         true
     }
 }

@@ -41,6 +41,7 @@ impl Localizer {
         self.predict();
         self.anchor_when_due();
         self.learn_at_rest(time_s, ticks);
+        self.keep_knowledge();
         self.work_on_graph();
         self.work_on_names();
         true

@@ -11,7 +11,7 @@ use interval::{Interval, IntervalBox};
 use crate::{
     PoseBox, PoseUnion, RobotModel,
     graph::{FrameReading, Hull, KeyFrames, Related, Relations, Stray, Unlinked, Variable, Ways, WidthParts},
-    method::Method,
+    method::{Method, Shown},
 };
 
 use super::{Localizer, naming::Intersected, ring::Slot};
@@ -67,6 +67,15 @@ enum Work {
     Made(Box<Related>),
     /// The program is being solved: the bounds so far.
     Solving(Box<Hull>),
+}
+
+/// A reading that relates something, for the graph.
+pub(super) struct Relating {
+    /// The method that read it.
+    pub(super) source: &'static str,
+    pub(super) relations: Arc<dyn Relations>,
+    /// What it showed.
+    pub(super) shown: Option<Shown>,
 }
 
 impl Graph {
@@ -126,24 +135,18 @@ impl Localizer {
         self.graph.width.as_ref()
     }
 
-    /// Keeps a reading as a key frame if one is due, or at a key frame that there is at its stamp. `posterior` encloses the pose at its stamp, and
-    /// `reading` is the source of the reading and what it relates.
-    pub(super) fn relate(
-        &mut self,
-        stamp_s: f64,
-        posterior: &PoseUnion,
-        reading: Option<(&'static str, Arc<dyn Relations>)>,
-    ) {
-        let reading = reading.filter(|(_, relations)| relations.is_worth_a_key_frame());
+    /// Keeps a reading as a key frame if one is due, or at a key frame that there is at its stamp. `posterior` encloses the pose at its stamp.
+    pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, reading: Option<Relating>) {
+        let reading = reading.filter(|reading| reading.relations.is_worth_a_key_frame());
         let pose = posterior.hull();
         let is_known = !pose.is_empty() && pose[2].width() <= WIDEST_RAD;
         let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;
         if !is_known || !is_believed {
             return;
         }
-        let reading = reading.map(|(source, relations)| {
+        let reading = reading.map(|Relating { source, relations, shown }| {
             let stray = Stray::by_reach(relations.stamp_error_s(), &self.robot.reach);
-            FrameReading::new(source, relations, stray)
+            FrameReading::new(source, relations, stray).showing(shown)
         });
         let is_far = reading.as_ref().is_some_and(|reading| self.is_far(reading.source, &pose));
         if self.graph.is_due(stamp_s, reading.as_ref(), is_far) {
@@ -176,7 +179,7 @@ impl Localizer {
         }
         let ways = [self.ways([from_s, stamp_s], gap.heading), self.ways([stamp_s, to_s], pose[2])];
         let stray = self.stray_at(stamp_s, reading.relations.stamp_error_s());
-        let reading = FrameReading::new(reading.source, reading.relations, stray);
+        let reading = FrameReading::new(reading.source, reading.relations, stray).showing(reading.shown);
         if self.graph.frames.insert(&gap, stamp_s, pose, reading, ways) {
             self.graph.work.get_or_insert(Work::Awaiting(0));
         }

@@ -1,6 +1,6 @@
 //! What a method learns from its readings.
 
-use std::sync::Arc;
+use std::{any::Any, sync::Arc};
 
 use interval::Interval;
 
@@ -12,23 +12,30 @@ use crate::{
     vision::point_features::Landmark,
 };
 
-use super::{MotionBetween, OnPose};
+use super::{MotionBetween, OnPose, Shown};
+
+/// What a method knows at one time, as a value of a type of the method's own.
+pub type Knowledge = Arc<dyn Any + Send + Sync>;
 
 /// What a method learns from its readings, such as the places of landmarks.
 pub trait Memory {
-    /// Forgets everything that was read or learnt from readings stamped later than `since_s`, because an assumption has failed and may have been false
-    /// since then.
-    fn forget_since(&mut self, since_s: f64);
+    /// What the method knows now. The localizer asks for it every second and keeps some of the answers, so that it should cost little; `None` for a
+    /// method that has nothing to take back.
+    fn knowledge(&self) -> Option<Knowledge> {
+        None
+    }
 
-    /// Notes that a new drive begins, with the clock set back to 0. What was learnt before is kept and can no longer be unlearnt.
+    /// Takes back all that was learnt since an earlier time, because an assumption has failed and may have been false since then. `known` is what the
+    /// method knew at that time.
+    fn go_back(&mut self, _known: &Knowledge) {}
+
+    /// Notes that a new drive begins, with the clock set back to 0. What was learnt before is kept.
     fn clock_set_back(&mut self);
 
-    /// Learns what outlasts one reading, such as the positions of landmarks, from the reading that was constrained last. `_posterior` encloses the
-    /// pose at its stamp, with the reading's constraint applied. `_motion` gives the robot's motion between two recent stamps, or `None` if the first
-    /// of them lies before the end of a doubt about a failed assumption.
-    ///
-    /// Not called while an assumption is doubted.
-    fn learn(&mut self, _posterior: &PoseUnion, _motion: MotionBetween) {}
+    /// Learns what outlasts one reading, such as the positions of landmarks. `_shown` is what the reading showed, as its constraint says, and
+    /// `_posterior` encloses the pose at its stamp, with the constraint applied; it is `None` while an assumption is doubted, when nothing is to be learnt
+    /// from the reading. `_motion` gives the robot's motion between two recent stamps, or `None` if the first of them lies before the end of a doubt.
+    fn learn(&mut self, _shown: &Shown, _posterior: Option<&PoseUnion>, _motion: MotionBetween) {}
 
     /// Whether something that the method read or learnt since the last call contradicts what the method knew before, which means that an
     /// assumption failed, perhaps some time ago. Called after each reading. A contradicting reading leaves what the method knows unchanged.
@@ -36,20 +43,19 @@ pub trait Memory {
         false
     }
 
-    /// The contractor of a recent reading, computed again from what has been learnt by the time of the call; `None` if the method's constraints
-    /// depend on nothing learnt, or if it does not remember the reading.
-    fn on_pose_again(&self, _stamp_s: f64) -> Option<OnPose> {
+    /// The contractor of an earlier reading, which showed `_shown`, by what is known at the time of the call; `None` if the method's constraints depend
+    /// on nothing learnt.
+    fn on_pose_again(&self, _shown: &Shown) -> Option<OnPose> {
         None
     }
 
-    /// What a reading relates, by what is known of its landmarks at the time of the call; `None` where the method does not remember the reading.
-    fn relations_again(&self, _stamp_s: f64) -> Option<Arc<dyn Relations>> {
+    /// What an earlier reading, which showed `_shown`, relates by what is known at the time of the call; `None` if that depends on nothing learnt.
+    fn relations_again(&self, _shown: &Shown) -> Option<Arc<dyn Relations>> {
         None
     }
 
-    /// Narrows what is known of the method's quantities by bounds that follow from readings up to the given stamp. Bounds of other quantities are passed
-    /// over.
-    fn narrow(&mut self, _bounds: &[(Variable, Interval)], _stamp_s: f64) {}
+    /// Narrows what is known of the method's quantities by bounds that follow from its readings. Bounds of other quantities are passed over.
+    fn narrow(&mut self, _bounds: &[(Variable, Interval)]) {}
 
     /// Whether key frames of the whole drive are to be kept, so that at its end everything is bounded by all of them.
     fn keeps_drive(&self) -> bool {

@@ -6,7 +6,7 @@ mod claim;
 mod memory;
 mod window;
 
-use std::sync::Arc;
+use std::{any::Any, sync::Arc};
 
 use interval::contractor::Contractor;
 
@@ -20,7 +20,7 @@ use crate::{
 };
 
 pub use claim::Claim;
-pub use memory::Memory;
+pub use memory::{Knowledge, Memory};
 pub use window::{Earlier, Shown, Window};
 
 /// A localization method for one cue, such as floor joints or ceiling markers: it evaluates each reading of its sensor once and returns a constraint
@@ -122,8 +122,11 @@ pub struct Constraint {
     /// Box of the poses, near those known before, that this reading allows without the earlier ones if no more of its claims are false than its own
     /// quota says; `None` where the method does not tell.
     pub alone: Option<PoseBox>,
-    /// What the reading showed, to be held for constraints of later readings; `None` for a reading that is not used for them.
+    /// What the reading showed, for all that is made of the reading later: constraints of later readings, what the method learns from it, and the same
+    /// constraint anew. `None` where nothing is.
     pub shown: Option<Shown>,
+    /// Whether constraints of later readings are made of this reading, too.
+    pub is_held: bool,
     /// What the reading relates, for the graph of key frames; `None` where the method relates nothing, or cannot be sure that no item is wrong.
     pub relations: Option<Arc<dyn Relations>>,
 }
@@ -146,7 +149,13 @@ impl Constraint {
             rejected_px: Vec::new(),
             alone: None,
             shown: None,
+            is_held: false,
             relations: None,
         }
+    }
+
+    /// The same constraint, with what its reading showed.
+    pub fn showing(self, shown: impl Any + Send + Sync) -> Constraint {
+        Constraint { shown: Some(Arc::new(shown)), ..self }
     }
 }

@@ -183,7 +183,8 @@ impl Method for GnssPositions {
             // A single position leaves the heading open, but the many positions during a doubt about a failed assumption do not. So a
             // position counts as evidence to end the doubt, unless it is floating and soon after another.
             decides: !is_alike,
-            shown: is_apart.then(|| Arc::new(Held { grade, in_world_m }) as _),
+            shown: Some(Arc::new(Held { grade, in_world_m })),
+            is_held: is_apart,
             relations: Some(Arc::new(AntennaAt {
                 told_m: told.at_m,
                 within: (grade, within_m),

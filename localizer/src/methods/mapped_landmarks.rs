@@ -36,7 +36,7 @@ mod view;
 mod whereabouts;
 mod whole_drive;
 
-use std::{collections::VecDeque, sync::Arc};
+use std::sync::Arc;
 
 use interval::Interval;
 
@@ -45,7 +45,7 @@ use crate::{
     bounds::{self, Assumption},
     graph::{PoseByRows, Relations, Stray, Variable},
     map::SpacePoint,
-    method::{Constraint, Context, Memory, Method, MotionBetween, OnPose},
+    method::{Constraint, Context, Knowledge, Memory, Method, MotionBetween, OnPose, Shown},
     reading::LandmarkId,
 };
 
@@ -94,15 +94,8 @@ pub struct MappedLandmarks {
     atlas: Atlas,
     /// Whether landmarks are learnt, beside those of the map.
     learning: Learning,
-    /// Stamp and image points of the image for which a constraint was made last, until landmarks are learnt from it.
-    latest: Option<(f64, Vec<SeenPoint>)>,
-    /// Image points of recent images, or of all images of the drive, with their stamps, from which constraints can be made anew.
-    recent: VecDeque<(f64, Vec<SeenPoint>)>,
     contradicts: bool,
 }
-
-/// Time for which image points are kept so that their constraints can be made anew: longer than the localizer remembers stamps.
-const RECENT_S: f64 = 4.0;
 
 impl MappedLandmarks {
     /// Makes the method for a point camera on a robot. `map` are the landmarks that are known from an earlier drive.
@@ -117,16 +110,8 @@ impl MappedLandmarks {
             optics: Arc::new(Optics::new(camera, robot.body)),
             atlas: Atlas::of(map),
             learning,
-            latest: None,
-            recent: VecDeque::new(),
             contradicts: false,
         }
-    }
-
-    /// The image points of an image that is remembered.
-    fn seen_at(&self, stamp_s: f64) -> Option<&[SeenPoint]> {
-        let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
-        Some(seen)
     }
 
     /// What the image points relate, as far as their landmarks are known.
@@ -152,12 +137,6 @@ impl Method for MappedLandmarks {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
         let seen = SeenPoint::of(numbers)?;
         let points = self.related(&seen, MOST_RELATED);
-        if self.learning != Learning::Never {
-            self.recent.push_back((*measured_s, seen.clone()));
-            let keeps_all = self.keeps_drive();
-            self.recent.retain(|(stamp_s, _)| keeps_all || *stamp_s > measured_s - RECENT_S);
-            self.latest = Some((*measured_s, seen));
-        }
         let relations = Arc::new(points);
         let n_known = relations.seen.len();
         let on_pose = PoseByRows { relations: Arc::clone(&relations) as Arc<_>, stray: self.stray };
@@ -166,6 +145,7 @@ impl Method for MappedLandmarks {
             // Two landmarks give four equations for three coordinates of the pose.
             decides: n_known > 1,
             relations: (n_known > 0).then_some(relations as Arc<_>),
+            shown: (self.learning != Learning::Never).then(|| Arc::new(seen) as _),
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
@@ -181,39 +161,43 @@ impl Method for MappedLandmarks {
 
 impl Memory for MappedLandmarks {
     /// The constraint of an image by what is known of its landmarks now: they may have been unlearnt since.
-    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
-        let relations = Arc::new(self.related(self.seen_at(stamp_s)?, MOST_RELATED));
+    fn on_pose_again(&self, shown: &Shown) -> Option<OnPose> {
+        let relations = Arc::new(self.related(shown.downcast_ref::<Vec<SeenPoint>>()?, MOST_RELATED));
         Some(Box::new(PoseByRows { relations, stray: self.stray }))
     }
 
-    fn relations_again(&self, stamp_s: f64) -> Option<Arc<dyn Relations>> {
-        Some(Arc::new(self.related(self.seen_at(stamp_s)?, MOST_RELATED_AFTER)))
+    fn relations_again(&self, shown: &Shown) -> Option<Arc<dyn Relations>> {
+        Some(Arc::new(self.related(shown.downcast_ref::<Vec<SeenPoint>>()?, MOST_RELATED_AFTER)))
     }
 
     fn keeps_drive(&self) -> bool {
         self.learning == Learning::Teaches
     }
 
-    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
-        self.atlas.narrow_points(bounds, stamp_s);
+    fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
+        self.atlas.narrow_points(bounds);
     }
 
-    fn forget_since(&mut self, since_s: f64) {
-        self.atlas.forget_since(since_s);
-        self.latest = None;
+    fn knowledge(&self) -> Option<Knowledge> {
+        (self.learning != Learning::Never).then(|| Arc::new(self.atlas.clone()) as _)
+    }
+
+    fn go_back(&mut self, known: &Knowledge) {
+        if let Some(atlas) = known.downcast_ref::<Atlas>() {
+            self.atlas.clone_from(atlas);
+        }
+        self.atlas.interrupt();
     }
 
     fn clock_set_back(&mut self) {
-        self.atlas.begin_anew();
-        self.latest = None;
-        self.recent.clear();
+        self.atlas.interrupt();
     }
 
-    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
-        let Some((stamp_s, seen)) = self.latest.take() else { return };
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, _motion: MotionBetween) {
+        let (Some(seen), Some(posterior)) = (shown.downcast_ref::<Vec<SeenPoint>>(), posterior) else { return };
         // The pose that the image shows.
-        let shown = self.stray.around(&posterior.hull());
-        self.contradicts |= !self.atlas.learn(stamp_s, &shown, &seen, &self.optics);
+        let pose = self.stray.around(&posterior.hull());
+        self.contradicts |= !self.atlas.learn(&pose, seen, &self.optics);
     }
 
     fn take_contradiction(&mut self) -> bool {

@@ -30,7 +30,7 @@ mod keyframes;
 mod sight;
 mod solver;
 
-use std::{collections::VecDeque, sync::Arc};
+use std::sync::Arc;
 
 use interval::Interval;
 use interval::contractor::Outcome;
@@ -38,7 +38,7 @@ use interval::contractor::Outcome;
 use crate::{
     PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    method::{Claim, Constraint, Context, Memory, Method, MotionBetween, OnPose},
+    method::{self, Claim, Constraint, Context, Knowledge, Memory, Method, MotionBetween, OnPose},
     quota::Quota,
     reading::LandmarkId,
 };
@@ -77,29 +77,22 @@ pub struct RangeLandmarks {
     solver: Solver,
     atlas: Atlas,
     keyframes: KeyFrames,
-    /// Range reading for which a constraint was made last, until landmarks are learnt from it.
-    latest: Option<Latest>,
     /// Readings of landmarks that wait until all readings measured before them have been handled.
     in_order: InOrder,
     /// The latest uses of each landmark's code, which tell what codes are certainly right.
     code_uses: CodeUses,
     /// Whether, since the localizer last asked for contradictions, a reading contradicted what was known about the landmarks.
     contradicts: bool,
-    /// Landmarks seen in recent readings, with their stamps, from which constraints can be made anew.
-    recent: VecDeque<(f64, Vec<Seen>)>,
     n_learnt: usize,
 }
 
-/// Reading for which a constraint was made last, kept until landmarks are learnt from it.
-struct Latest {
+/// What one reading showed.
+struct Shown {
     stamp_s: f64,
     arrived_s: f64,
     seen: Vec<Seen>,
     codes: Arc<RightCodes>,
 }
-
-/// Time for which readings are kept so that their constraints can be made anew: longer than the localizer remembers stamps.
-const RECENT_S: f64 = 4.0;
 
 /// Number of readings learnt from between two sweeps over the key frames, which are readings kept from along the drive. A sweep narrows
 /// their poses and the landmarks' places by each other.
@@ -116,20 +109,11 @@ impl RangeLandmarks {
             freedom,
             solver,
             keyframes: KeyFrames::new(camera.q_items, camera.wrong_spacing),
-            latest: None,
             in_order: InOrder::new(camera),
             code_uses: CodeUses::new(camera.q_items, camera.wrong_spacing),
             contradicts: false,
-            recent: VecDeque::new(),
             n_learnt: 0,
         })
-    }
-
-    /// Records that the latest reading is not learnt from, which leaves a gap in the sequence of consecutive readings.
-    fn miss_latest(&mut self) {
-        if let Some(latest) = self.latest.take() {
-            self.in_order.push(latest.stamp_s, None);
-        }
     }
 
     /// Ends all windows of consecutive sightings, because a reading is missing from the sequence. A window is a number of consecutive
@@ -149,7 +133,7 @@ impl RangeLandmarks {
             (landmark, known.is_some_and(|known| (0..2).any(|axis| !known[axis].overlaps(place[axis]))))
         };
         let codes: Vec<(LandmarkId, bool)> = places.iter().map(is_wrong).collect();
-        if let Outcome::Empty(_) = self.atlas.learn(stamp_s, &places) {
+        if let Outcome::Empty(_) = self.atlas.learn(&places) {
             self.contradicts = true;
             self.interrupt();
             return;
@@ -158,7 +142,7 @@ impl RangeLandmarks {
         self.n_learnt += 1;
         self.keyframes.keep(stamp_s, learnt.posterior.hull(), learnt.seen, motion);
         if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
-            let outcome = self.keyframes.sweep(stamp_s, &mut self.atlas, self.freedom);
+            let outcome = self.keyframes.sweep(&mut self.atlas, self.freedom);
             self.contradicts |= outcome != Outcome::Feasible;
         }
     }
@@ -187,30 +171,29 @@ impl Method for RangeLandmarks {
 
     fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         let Reading::Range { measured_s, arrived_s, sightings } = reading else { return None };
-        self.miss_latest();
         if sightings.is_empty() {
             return None;
         }
         let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).collect();
         let codes = Arc::new(RightCodes::new(sightings.len(), self.q_items == 0));
-        self.latest =
-            Some(Latest { stamp_s: *measured_s, arrived_s: *arrived_s, seen: seen.clone(), codes: codes.clone() });
-        self.recent.push_back((*measured_s, seen.clone()));
-        self.recent.retain(|(stamp_s, _)| *stamp_s > measured_s - RECENT_S);
         let pairs = self.pairs(&seen);
         let decides = pairs.len() >= 2 + self.q_items;
         let claim = |seen: &Seen| Claim::Landmark { landmark: seen.landmark, in_robot_m: seen.in_robot_m };
         let claims: Vec<Claim> = seen.iter().filter(|seen| seen.is_bounded()).map(claim).collect();
         if claims.is_empty() {
+            // The reading is not learnt from, which leaves a gap in the sequence of consecutive readings.
+            self.in_order.push(*measured_s, None);
             return None;
         }
         let on_pose = PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver);
+        let (stamp_s, arrived_s) = (*measured_s, *arrived_s);
         Some(Constraint {
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.q_items),
             decides,
-            relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings, codes)) as _),
+            relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings, codes.clone())) as _),
+            shown: Some(Arc::new(Shown { stamp_s, arrived_s, seen, codes })),
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
@@ -225,11 +208,19 @@ impl Method for RangeLandmarks {
 }
 
 impl Memory for RangeLandmarks {
-    fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween) {
-        let Some(Latest { stamp_s, arrived_s, seen, codes }) = self.latest.take() else { return };
-        let learnt = Learnt { posterior: posterior.clone(), seen, codes };
-        self.in_order.push(stamp_s, Some(learnt).filter(|learnt| !learnt.posterior.is_empty()));
-        for (taken_s, learnt) in self.in_order.take(arrived_s) {
+    fn learn(&mut self, shown: &method::Shown, posterior: Option<&PoseUnion>, motion: MotionBetween) {
+        let Some(Shown { stamp_s, arrived_s, seen, codes }) = shown.downcast_ref() else { return };
+        let learnt = |posterior: &PoseUnion| Learnt {
+            posterior: posterior.clone(),
+            seen: seen.clone(),
+            codes: Arc::clone(codes),
+        };
+        let is_doubted = posterior.is_none();
+        self.in_order.push(*stamp_s, posterior.filter(|posterior| !posterior.is_empty()).map(learnt));
+        if is_doubted {
+            return;
+        }
+        for (taken_s, learnt) in self.in_order.take(*arrived_s) {
             match learnt {
                 Some(learnt) => self.take_in(taken_s, learnt, motion),
                 None => self.interrupt(),
@@ -241,26 +232,29 @@ impl Memory for RangeLandmarks {
         std::mem::take(&mut self.contradicts)
     }
 
-    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
-        let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
+    fn on_pose_again(&self, shown: &method::Shown) -> Option<OnPose> {
+        let Shown { seen, .. } = shown.downcast_ref()?;
         Some(Box::new(PoseFromLandmarks::new(self.pairs(seen), self.q_items, self.freedom, self.solver)))
     }
 
-    fn forget_since(&mut self, since_s: f64) {
-        self.miss_latest();
-        self.in_order.forget_since(since_s);
-        self.code_uses.interrupt();
-        self.atlas.forget_since(since_s);
-        self.keyframes.forget_since(since_s);
+    fn knowledge(&self) -> Option<Knowledge> {
+        Some(Arc::new((self.atlas.clone(), self.keyframes.clone())))
+    }
+
+    fn go_back(&mut self, known: &Knowledge) {
+        self.in_order.miss_all();
+        if let Some((atlas, keyframes)) = known.downcast_ref::<(Atlas, KeyFrames)>() {
+            self.atlas.clone_from(atlas);
+            self.keyframes.clone_from(keyframes);
+        }
+        self.interrupt();
+        self.keyframes.end_way();
     }
 
     fn clock_set_back(&mut self) {
-        self.latest = None;
         self.in_order.settle();
-        self.code_uses.interrupt();
-        self.recent.clear();
-        self.atlas.settle();
-        self.keyframes.settle();
+        self.interrupt();
+        self.keyframes.end_way();
     }
 
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {

@@ -228,6 +228,7 @@ impl WallBearings {
             by_itself: Some(Box::new(ByEdges::default())),
             decides: false,
             shown: Some(shown),
+            is_held: true,
             ..Constraint::new(NAME, stamp_s, self.by_edges(earlier.iter().chain([&latest]), prior.branches.len()))
         })
     }

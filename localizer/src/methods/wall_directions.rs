@@ -26,8 +26,7 @@ pub use quotas::Quotas;
 
 use agreement::WallHeadings;
 use held::{Certificates, headings_now};
-use learnt::Direction;
-use posture::{Told, View};
+use posture::{Agreement, Told, View};
 
 use std::sync::Arc;
 
@@ -125,6 +124,14 @@ pub enum Chain {
     PaperByTiles,
 }
 
+/// What one image showed.
+struct Image {
+    /// The headings on which its level edges agree.
+    agreement: Agreement,
+    /// Directions from robot forward of edges that run along no known wall.
+    strange_rad: Vec<Interval>,
+}
+
 /// Method that bounds the heading by directions of walls; the module's page says how.
 #[derive(Clone, Debug)]
 pub struct WallDirections {
@@ -140,13 +147,10 @@ pub struct WallDirections {
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
     readout: Readout,
-    directions: Vec<Direction>,
+    /// Directions of the building modulo quarter turns, from world x counter-clockwise: those of the map, and those that were learnt.
+    directions_rad: Vec<Interval>,
     learns: bool,
     certificates: Certificates,
-    /// Directions from robot forward, in the latest image, of edges that run along no known wall.
-    strange_rad: Vec<Interval>,
-    /// Stamp of the latest image of the forward camera.
-    latest_s: f64,
 }
 
 impl WallDirections {
@@ -158,7 +162,6 @@ impl WallDirections {
     /// Makes the wall-direction method for a robot with a camera, with the directions that the map gives.
     pub fn with(camera: ForwardCameraModel, robot: &RobotModel, directions_rad: &[Interval], setup: Setup) -> Self {
         let Setup { chain, solves_lean, floor_edges, learns, decides, quotas } = setup;
-        let known = |&direction_rad: &Interval| Direction { direction_rad, since_s: f64::NEG_INFINITY };
         let is_refitted = solves_lean && chain == Chain::Direct;
         WallDirections {
             camera,
@@ -171,11 +174,9 @@ impl WallDirections {
             body_tilt_rad: robot.body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * robot.reach.turn_rate_rad_per_s,
             readout: Readout::of(&camera, robot),
-            directions: directions_rad.iter().map(known).collect(),
+            directions_rad: directions_rad.to_vec(),
             learns,
             certificates: Certificates::default(),
-            strange_rad: Vec::new(),
-            latest_s: f64::NEG_INFINITY,
         }
     }
 
@@ -188,10 +189,8 @@ impl WallDirections {
         prior: &PoseUnion,
         earlier: &[Earlier],
     ) -> Option<Constraint> {
-        let directions_rad = self.directions_rad();
+        let directions_rad = self.directions_rad.clone();
         let edges = self.sorted(lines, prior.hull()[2], &directions_rad);
-        self.latest_s = stamp_s;
-        self.strange_rad = edges.strange_rad;
         let view = View {
             tilt_rad: self.camera.tilt_error_rad + self.body_tilt_rad,
             yaw_rad: self.camera.yaw_rad.inflate(self.stamp_turn_rad),
@@ -213,7 +212,7 @@ impl WallDirections {
             let is_spoilt = alone.is_empty() || (self.solves_lean && !is_upright);
             self.certificates.note(is_spoilt, self.most_spoilt());
         }
-        if alone.is_empty() && !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
+        if alone.is_empty() && !(self.learns && edges.strange_rad.len() >= FEWEST_TO_LEARN) {
             // The edges are too few, or agree on no heading near those known before the image. In the second case more edges are wrong than the quota
             // declares, and it is counted in how many of the latest images that is so.
             return self.certificates.are_too_many.then(|| self.silent(stamp_s, edges.rejected_px));
@@ -221,8 +220,9 @@ impl WallDirections {
         let level = edges.level.iter().map(|line| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px });
         let upright =
             edges.upright.iter().map(|line| Claim::UprightLine { ends_px: line.ends_px, bound_px: line.bound_px });
-        let shown = (!alone.is_empty()).then(|| Arc::new(agreement) as _);
-        let latest = shown.clone().map(|shown| Earlier::latest(stamp_s, shown));
+        let is_held = !alone.is_empty();
+        let shown = Arc::new(Image { agreement, strange_rad: edges.strange_rad });
+        let latest = is_held.then(|| Earlier::latest(stamp_s, Arc::clone(&shown) as _));
         let images: Vec<&Earlier> = earlier.iter().chain(&latest).collect();
         let together = self.headings_together(&images);
         Some(Constraint {
@@ -235,8 +235,9 @@ impl WallDirections {
             claims: level.chain(upright).collect(),
             quota: self.quotas.of_image([n_level, edges.upright.len()], self.solves_lean),
             rejected_px: edges.rejected_px,
-            alone: shown.is_some().then(|| PoseBox::from([Interval::ENTIRE, Interval::ENTIRE, alone])),
-            shown,
+            alone: is_held.then(|| PoseBox::from([Interval::ENTIRE, Interval::ENTIRE, alone])),
+            shown: Some(shown),
+            is_held,
             ..Constraint::new(self.name(), stamp_s, together)
         })
     }
@@ -271,8 +272,8 @@ impl WallDirections {
     }
 
     /// Directions of the building that the map gives or that were learnt, modulo quarter turns.
-    pub fn directions_rad(&self) -> Vec<Interval> {
-        self.directions.iter().map(|direction| direction.direction_rad).collect()
+    pub fn directions_rad(&self) -> &[Interval] {
+        &self.directions_rad
     }
 }
 

@@ -11,17 +11,13 @@ use crate::{bounds, bounds::Assumption, robot::GyroModel};
 
 use super::polygon::Polygon;
 
-/// Time in seconds for which earlier sets of the gyroscope's bias and scale are remembered. When an assumption may have failed within that time,
-/// only what was learnt since the failure is taken back; when it may have failed earlier, all that was learnt is.
-const UNLEARN_S: f64 = 300.0;
-
 /// What is known of the gyroscope's bias and scale, and since which stamps.
 #[derive(Clone, Debug)]
 pub struct GyroErrors {
     declared: Polygon,
     drift: Drift,
-    /// Stamps, each with the set of biases and scales that was known at that stamp; the latest is last.
-    known: Vec<(f64, Polygon)>,
+    /// The set of biases and scales that is known, with the stamp at which it is; `None` before anything is learnt.
+    known: Option<(f64, Polygon)>,
 }
 
 /// How far the gyroscope's bias may depart from the bias that is known.
@@ -48,7 +44,7 @@ impl GyroErrors {
     /// The gyroscope's declared bias and scale, before anything is learnt.
     pub fn new(model: &GyroModel) -> Self {
         let drift = if model.bounds_angle() { Drift::None } else { Drift::Wander(model.bias_wander_rad_per_s2) };
-        GyroErrors { declared: Polygon::rectangle([model.bias_rad_per_s, model.scale]), drift, known: Vec::new() }
+        GyroErrors { declared: Polygon::rectangle([model.bias_rad_per_s, model.scale]), drift, known: None }
     }
 
     /// Declared bound on the change of the gyroscope's bias, on which the learnt bias and scale rely.
@@ -117,24 +113,14 @@ impl GyroErrors {
             return Outcome::Empty("the turn known from elsewhere contradicts the gyroscope's bias and scale");
         }
         if left != *latest {
-            // For each stamp at most one set of biases and scales is kept, because sets are taken back by their stamps.
-            self.known.pop_if(|(stamp_s, _)| *stamp_s == at_s);
-            self.known.push((at_s, left));
-            let deepest_s = at_s - UNLEARN_S;
-            let first = self.known.iter().rposition(|(stamp_s, _)| *stamp_s <= deepest_s).unwrap_or(0);
-            self.known.drain(..first);
+            self.known = Some((at_s, left));
         }
         Outcome::Feasible
-    }
-
-    /// Takes back what was learnt about bias and scale later than `since_s`, because an assumption failed, perhaps since then.
-    pub fn forget_since(&mut self, since_s: f64) {
-        self.known.retain(|(stamp_s, _)| *stamp_s <= since_s);
     }
 
     /// The set of biases and scales that is known, and the stamp at which it is. Before anything is learnt it is the declared set, which is valid
     /// at any stamp, so that the caller's stamp `any_s` is returned with it.
     fn latest(&self, any_s: f64) -> (f64, &Polygon) {
-        self.known.last().map_or((any_s, &self.declared), |(known_s, known)| (*known_s, known))
+        self.known.as_ref().map_or((any_s, &self.declared), |(known_s, known)| (*known_s, known))
     }
 }

@@ -16,7 +16,7 @@ use crate::{
         trial::{Draw, Drive, robot, rounds},
     },
     map::Map,
-    method::{Context, Memory, Method},
+    method::{Context, Memory, Method, Shown},
     methods::mapped_landmarks::{
         Learning, MappedLandmarks,
         trial::{True, boxed, homogeneous, is_within, look, reading, walls},
@@ -63,7 +63,6 @@ impl Relations for Fix {
 /// A method that keeps the whole drive, knows every position again, and counts the bounds that it is told.
 #[derive(Clone, Default)]
 struct Keeper {
-    fixes: Arc<Vec<(f64, [f64; 2])>>,
     n_told: Arc<Mutex<usize>>,
 }
 
@@ -90,20 +89,17 @@ impl Method for Keeper {
 }
 
 impl Memory for Keeper {
-    fn forget_since(&mut self, _since_s: f64) {}
-
     fn clock_set_back(&mut self) {}
 
     fn keeps_drive(&self) -> bool {
         true
     }
 
-    fn relations_again(&self, stamp_s: f64) -> Option<Arc<dyn Relations>> {
-        let (_, at_m) = self.fixes.iter().find(|(fix_s, _)| *fix_s == stamp_s)?;
-        Some(Arc::new(Fix(*at_m)))
+    fn relations_again(&self, shown: &Shown) -> Option<Arc<dyn Relations>> {
+        Some(Arc::new(Fix(*shown.downcast_ref()?)))
     }
 
-    fn narrow(&mut self, bounds: &[(Variable, Interval)], _stamp_s: f64) {
+    fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
         *self.n_told.lock().unwrap() += bounds.len();
     }
 }
@@ -115,12 +111,12 @@ fn after(draw: &mut Draw, off_m: f64) -> (Localizer, Keeper, Vec<[f64; 3]>) {
     let fix = |truth: &[f64; 3], draw: &mut Draw| {
         [0, 1].map(|axis| truth[axis] + off_m + draw.within(Interval::centred(0.0, FIX_M)))
     };
-    let fixes = drive.stamps_s.iter().zip(&drive.poses).map(|(&stamp_s, truth)| (stamp_s, fix(truth, draw))).collect();
-    let keeper = Keeper { fixes: Arc::new(fixes), ..Keeper::default() };
+    let fixes: Vec<[f64; 2]> = drive.poses.iter().map(|truth| fix(truth, draw)).collect();
+    let keeper = Keeper::default();
     let (map, start) = (Map::of_room([Interval::new(-99.0, 99.0); 2]), PoseBox::from([Interval::ZERO; 3]));
     let mut localizer = Localizer::new(map, robot(), vec![Box::new(keeper.clone())], start);
     localizer.wheels = drive.history(true);
-    for (&stamp_s, truth) in drive.stamps_s.iter().zip(&drive.poses) {
+    for ((&stamp_s, truth), at_m) in drive.stamps_s.iter().zip(&drive.poses).zip(fixes) {
         let half = [0.05, 0.05, 0.05];
         let pose = [0, 1, 2].map(|axis| {
             let off = draw.within(Interval::centred(0.0, half[axis]));
@@ -128,6 +124,7 @@ fn after(draw: &mut Draw, off_m: f64) -> (Localizer, Keeper, Vec<[f64; 3]>) {
         });
         // What the reading told when it was read says nothing any more: it is made anew.
         let reading = FrameReading::new("keeper", Arc::new(Fix([f64::NAN; 2])), Stray::default());
+        let reading = reading.showing(Some(Arc::new(at_m)));
         localizer.graph.frames.push(stamp_s, IntervalBox::from(pose), Some(reading));
     }
     (localizer, keeper, drive.poses)
@@ -162,6 +159,8 @@ fn the_poses_of_a_whole_drive_are_bounded_by_what_came_after_them_and_hold_the_t
 /// A method that sees landmarks of which learning alone makes use, in one part.
 struct Learner {
     seen: MappedLandmarks,
+    /// What it saw, by stamp.
+    shown: Vec<(f64, Shown)>,
 }
 
 impl Method for Learner {
@@ -187,8 +186,6 @@ impl Method for Learner {
 }
 
 impl Memory for Learner {
-    fn forget_since(&mut self, _since_s: f64) {}
-
     fn clock_set_back(&mut self) {}
 
     fn keeps_drive(&self) -> bool {
@@ -196,12 +193,15 @@ impl Memory for Learner {
     }
 
     fn learns_of_together(&self, shown: &[(f64, PoseBox)]) -> Vec<Vec<(f64, Arc<dyn Relations>)>> {
-        let relations = |(stamp_s, _): &(f64, PoseBox)| Some((*stamp_s, self.seen.relations_again(*stamp_s)?));
+        let relations = |(stamp_s, _): &(f64, PoseBox)| {
+            let (_, shown) = self.shown.iter().find(|(shown_s, _)| shown_s == stamp_s)?;
+            Some((*stamp_s, self.seen.relations_again(shown)?))
+        };
         vec![shown.iter().filter_map(relations).collect()]
     }
 
-    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
-        self.seen.narrow(bounds, stamp_s);
+    fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
+        self.seen.narrow(bounds);
     }
 
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {
@@ -261,16 +261,18 @@ fn a_drive_at_known_poses_teaches_a_map_that_holds_every_landmark_and_later_loca
             let constraint = method.constrain(&reading(f64::from(step), &seen), &Context::at_rest(&known)).unwrap();
             constraint.on_pose.contract(&mut posterior);
             assert!(is_within(at.pose, &posterior), "round {round}, step {step}: {posterior:?} {:?}", at.pose);
-            method.learn(&PoseUnion::single(posterior), &|_, _| None);
+            let shown = constraint.shown.unwrap();
+            method.learn(&shown, Some(&PoseUnion::single(posterior)), &|_, _| None);
             assert!(!method.take_contradiction(), "round {round}, step {step}");
             if let Some(relations) = constraint.relations.filter(|_| step % 7 == 0) {
-                frames.push((f64::from(step), posterior, relations));
+                frames.push((f64::from(step), posterior, relations, shown));
             }
         }
         let room = Map::of_room([Interval::new(-5.0, 5.0); 2]);
         let mut localizer = Localizer::new(room, robot.clone(), vec![Box::new(method)], frames[0].1);
-        for (stamp_s, pose, relations) in frames {
+        for (stamp_s, pose, relations, shown) in frames {
             let reading = FrameReading::new("mapped_landmarks", relations, Stray::default());
+            let reading = reading.showing(Some(shown));
             localizer.graph.frames.push(stamp_s, pose, Some(reading));
         }
         let taught = localizer.space_points();
@@ -315,21 +317,22 @@ fn what_a_whole_drive_shows_narrows_landmarks_and_teaches_nothing_where_it_contr
         let landmarks = walls(&mut draw, 40);
         let robot = RobotModel { body: truth.body, ..robot() };
         let mut seen = MappedLandmarks::new(truth.camera, &robot, &[], Learning::Teaches);
-        let mut poses = Vec::new();
-        for step in 0..12 {
+        let (mut poses, mut shown) = (Vec::new(), Vec::new());
+        for step in 0..12_u8 {
             let stamp_s = f64::from(step);
             let along = stamp_s * TAU / 60.0;
             let at = truth.turned(&mut draw, [2.0 * along.cos(), 2.0 * along.sin()], along + 0.25 * TAU);
             let known = boxed(&mut draw, at.pose, [0.01, 0.01, 0.01]);
             let reading = reading(stamp_s, &look(&truth, &mut draw, &at, &landmarks));
-            seen.constrain(&reading, &Context::at_rest(&PoseUnion::single(known))).unwrap();
-            seen.learn(&PoseUnion::single(known), &|_, _| None);
+            let constraint = seen.constrain(&reading, &Context::at_rest(&PoseUnion::single(known))).unwrap();
+            shown.push((stamp_s, constraint.shown.unwrap()));
+            seen.learn(&shown[usize::from(step)].1, Some(&PoseUnion::single(known)), &|_, _| None);
             let off_m = if step % 2 == 0 { off_m } else { -off_m };
             poses.push((stamp_s, PoseBox::from([known[0] + Interval::point(off_m), known[1], known[2]])));
         }
         let before = seen.space_points();
         let room = Map::of_room([Interval::new(-5.0, 5.0); 2]);
-        let mut localizer = Localizer::new(room, robot, vec![Box::new(Learner { seen })], poses[0].1);
+        let mut localizer = Localizer::new(room, robot, vec![Box::new(Learner { seen, shown })], poses[0].1);
         for (stamp_s, pose) in poses {
             let fix = Fix([pose[0].mid(), pose[1].mid()]);
             let reading = FrameReading::new("mapped_landmarks", Arc::new(fix), Stray::default());

@@ -56,20 +56,19 @@ const FEWEST_SHOWN: usize = 3;
 /// All landmarks that are known by their looks, by their numbers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Album {
-    entries: BTreeMap<LandmarkId, Entry>,
+    entries: BTreeMap<LandmarkId, Arc<Entry>>,
     n_numbers: u32,
     /// The latest pictures from different places.
     window: VecDeque<Picture>,
     /// Number of pictures since some were solved together.
     n_since: usize,
     /// Pictures of the drives that taught the map.
-    views: Views,
+    views: Arc<Views>,
 }
 
 /// A picture of the window.
 #[derive(Clone, Debug)]
 struct Picture {
-    stamp_s: f64,
     /// Box of the pose that the picture shows.
     pose: PoseBox,
     /// Sightings that do not contradict their landmarks' boxes.
@@ -88,10 +87,10 @@ pub(super) struct Entry {
     /// What was known of its place at first, and the stamp of the picture that showed it; before all time for a landmark of the map.
     first: SpacePoint,
     since_s: f64,
-    /// For each sighting that tells something of its place, its stamp and what it leaves of the box; `None` where it contradicts what was known.
-    told: Vec<(f64, Option<[Interval; 3]>)>,
-    /// For each program that bounded its place, the stamp of the latest picture and the bounds.
-    related: Vec<(f64, [Interval; 3])>,
+    /// What each sighting that tells something of its place leaves of the box; `None` where it contradicts what was known.
+    told: Vec<Option<[Interval; 3]>>,
+    /// What all programs that bounded its place leave of it.
+    related: [Interval; 3],
 }
 
 impl Album {
@@ -101,13 +100,14 @@ impl Album {
         looks: &[(LandmarkId, Landmark)],
         views: Option<&Views>,
     ) -> Album {
-        let mut album = Album { views: views.cloned().unwrap_or_default(), ..Album::default() };
+        let mut album = Album { views: Arc::new(views.cloned().unwrap_or_default()), ..Album::default() };
         let things = things(points);
         for (landmark, look) in looks {
             let of_it = |(known, _): &&(LandmarkId, SpacePoint)| known == landmark;
             if let Some(&(_, point)) = points.iter().find(of_it) {
                 let entry = Entry::new(Arc::new(look.clone()), point, f64::NEG_INFINITY);
-                album.entries.insert(*landmark, Entry { thing: things.get(landmark).copied(), ..entry });
+                let thing = things.get(landmark).copied();
+                album.entries.insert(*landmark, Arc::new(Entry { thing, ..entry }));
             }
         }
         album.n_numbers = points.iter().map(|(landmark, _)| landmark.0.saturating_add(1)).max().unwrap_or(0);
@@ -116,7 +116,7 @@ impl Album {
 
     /// The landmarks that are still searched, in the order of their numbers.
     pub(super) fn searched(&self) -> impl Iterator<Item = (LandmarkId, &Entry)> {
-        self.entries.iter().filter(|(_, entry)| entry.is_searched()).map(|(landmark, entry)| (*landmark, entry))
+        self.entries.iter().filter(|(_, entry)| entry.is_searched()).map(|(landmark, entry)| (*landmark, &**entry))
     }
 
     /// Whether a landmark is one of the map.
@@ -145,13 +145,13 @@ impl Album {
 
     /// The views of the map, and then those of this drive: for each picture the stamp, the box of the pose that it shows, and its sightings.
     pub(super) fn views(&self, camera: ViewCamera, pictures: &[(f64, PoseBox, &[Sight])]) -> Views {
-        let mut views = self.views.clone();
+        let mut views = Views::clone(&self.views);
         let drive = views.cameras.len();
         views.cameras.push(camera);
         for &(stamp_s, pose, sights) in pictures {
             let picture = views.pictures.len();
             views.pictures.push(ViewPicture { stamp_s, camera: drive, pose, turned_since: Vec::new() });
-            let is_kept = |sight: &&Sight| self.entries.get(&sight.landmark).is_some_and(Entry::is_kept);
+            let is_kept = |sight: &&Sight| self.entries.get(&sight.landmark).is_some_and(|entry| entry.is_kept());
             views.sights.extend(
                 sights
                     .iter()
@@ -165,13 +165,13 @@ impl Album {
 
     /// Landmarks that are worth a place on a map: those of the map, and those that were found often enough.
     pub(super) fn kept(&self) -> impl Iterator<Item = (LandmarkId, &Entry)> {
-        self.entries.iter().filter(|(_, entry)| entry.is_kept()).map(|(landmark, entry)| (*landmark, entry))
+        self.entries.iter().filter(|(_, entry)| entry.is_kept()).map(|(landmark, entry)| (*landmark, &**entry))
     }
 
     /// Notes the result of a search for a landmark in a picture that should show it.
     pub(super) fn note(&mut self, landmark: LandmarkId, result: &Result<Sighting, Refusal>) {
         if let Some(entry) = self.entries.get_mut(&landmark) {
-            entry.record.note(result);
+            Arc::make_mut(entry).record.note(result);
         }
     }
 
@@ -187,27 +187,20 @@ impl Album {
         }
         let landmark = LandmarkId(self.n_numbers);
         self.n_numbers = self.n_numbers.checked_add(1)?;
-        self.entries.insert(landmark, Entry::new(Arc::new(look), point, stamp_s));
+        self.entries.insert(landmark, Arc::new(Entry::new(Arc::new(look), point, stamp_s)));
         Some(landmark)
     }
 
     /// Learns from a picture that shows a pose within a box: from sightings of known landmarks, and from the first ones of new landmarks. A landmark
     /// on whose place its sightings do not agree is dropped. Where asked for, the pictures of the window are solved together from time to time.
-    pub(super) fn learn(
-        &mut self,
-        stamp_s: f64,
-        pose: &PoseBox,
-        [found, first]: [&[Sight]; 2],
-        optics: &Arc<Optics>,
-        solves: bool,
-    ) {
-        let agrees = |sight: &&Sight| self.learn_one(stamp_s, pose, **sight, optics);
+    pub(super) fn learn(&mut self, pose: &PoseBox, [found, first]: [&[Sight]; 2], optics: &Arc<Optics>, solves: bool) {
+        let agrees = |sight: &&Sight| self.learn_one(pose, **sight, optics);
         let mut agreeing: Vec<Sight> = found.iter().filter(agrees).copied().collect();
         agreeing.extend(first);
         if !solves {
             return;
         }
-        self.window.push_back(Picture { stamp_s, pose: *pose, sights: agreeing });
+        self.window.push_back(Picture { pose: *pose, sights: agreeing });
         if self.window.len() > WINDOW {
             self.window.pop_front();
         }
@@ -220,15 +213,16 @@ impl Album {
     }
 
     /// Learns from one sighting. Returns whether it agrees with what was known of its landmark.
-    fn learn_one(&mut self, stamp_s: f64, pose: &PoseBox, sight: Sight, optics: &Arc<Optics>) -> bool {
+    fn learn_one(&mut self, pose: &PoseBox, sight: Sight, optics: &Arc<Optics>) -> bool {
         let Some(entry) = self.entries.get_mut(&sight.landmark) else { return false };
         let left = left_of(Sight { point: entry.point, ..sight }, pose, optics);
         if left == Some(entry.point.value) {
             return true;
         }
-        entry.told.push((stamp_s, left));
+        let entry = Arc::make_mut(entry);
+        entry.told.push(left);
         if entry.told.len() > MOST_TOLD {
-            let width = |at: &usize| entry.told[*at].1.map_or(0.0, |value| value[2].width());
+            let width = |at: &usize| entry.told[*at].map_or(0.0, |value| value[2].width());
             if let Some(widest) = (0..entry.told.len()).max_by(|a, b| width(a).total_cmp(&width(b))) {
                 entry.told.remove(widest);
             }
@@ -250,9 +244,9 @@ impl Album {
             shown.into_iter().filter(|(_, n)| *n >= FEWEST_SHOWN).map(|(landmark, n)| (n, landmark)).collect();
         often.sort_by_key(|&(n, landmark)| (std::cmp::Reverse(n), landmark));
         often.truncate(MOST_OF_GROUP);
-        let Some(newest_s) = self.window.back().map(|picture| picture.stamp_s).filter(|_| !often.is_empty()) else {
+        if often.is_empty() {
             return;
-        };
+        }
         let related: Vec<(PoseBox, Points)> = self
             .window
             .iter()
@@ -269,11 +263,11 @@ impl Album {
             often.iter().flat_map(|(_, landmark)| (0..3).map(|k| Variable::Point(*landmark, k))).collect();
         let Some(bounds) = bounds_over(&readings, &wanted) else { return };
         let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
-        self.narrow(&bounds, newest_s);
+        self.narrow(&bounds);
     }
 
-    /// Narrows landmarks by bounds that follow from pictures up to a stamp. Those of which nothing is left are dropped.
-    pub(super) fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+    /// Narrows landmarks by bounds that follow from pictures. Those of which nothing is left are dropped.
+    pub(super) fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
         let mut narrower: BTreeMap<LandmarkId, [Interval; 3]> = BTreeMap::new();
         for &(variable, bound) in bounds {
             if let Variable::Point(landmark, k) = variable {
@@ -282,21 +276,17 @@ impl Album {
         }
         for (landmark, value) in narrower {
             let Some(entry) = self.entries.get_mut(&landmark) else { continue };
-            entry.related.push((stamp_s, value));
+            let entry = Arc::make_mut(entry);
+            entry.related = [0, 1, 2].map(|k| entry.related[k].intersect(value[k]));
             if !entry.agrees() {
                 self.entries.remove(&landmark);
             }
         }
     }
 
-    /// Takes back what was learnt from pictures stamped later than the given time.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
+    /// Begins the window of pictures anew: the next picture does not follow those before.
+    pub(super) fn interrupt(&mut self) {
         self.window.clear();
-        self.entries.retain(|_, entry| {
-            entry.told.retain(|(stamp_s, _)| *stamp_s <= since_s);
-            entry.related.retain(|(stamp_s, _)| *stamp_s <= since_s);
-            entry.since_s <= since_s && entry.agrees()
-        });
     }
 
     /// Makes all that is known the knowledge with which a new drive begins.
@@ -304,7 +294,7 @@ impl Album {
         self.window.clear();
         for entry in self.entries.values_mut() {
             let anew = Entry::new(Arc::clone(&entry.look), entry.point, f64::NEG_INFINITY);
-            *entry = Entry { thing: entry.thing, ..anew };
+            *entry = Arc::new(Entry { thing: entry.thing, ..anew });
         }
     }
 }
@@ -319,7 +309,7 @@ impl Entry {
             first: point,
             since_s,
             told: Vec::new(),
-            related: Vec::new(),
+            related: [Interval::ENTIRE; 3],
         }
     }
 
@@ -336,12 +326,9 @@ impl Entry {
     /// Computes anew what is known of the place. Returns whether anything is left.
     fn agrees(&mut self) -> bool {
         let boxes: Vec<IntervalBox<3>> =
-            self.told.iter().map(|(_, left)| left.map_or(IntervalBox::EMPTY, IntervalBox::new)).collect();
+            self.told.iter().map(|left| left.map_or(IntervalBox::EMPTY, IntervalBox::new)).collect();
         let told = q_intersection(&boxes, MOST_WRONG);
-        self.point.value = [0, 1, 2].map(|k| {
-            let related = self.related.iter().fold(self.first.value[k], |left, (_, bounds)| left.intersect(bounds[k]));
-            related.intersect(told[k])
-        });
+        self.point.value = [0, 1, 2].map(|k| self.first.value[k].intersect(self.related[k]).intersect(told[k]));
         self.point.value.iter().all(|value| !value.is_empty())
     }
 }

@@ -29,34 +29,19 @@ const APART_M: f64 = 0.3;
 const APART_RAD: f64 = 0.15;
 /// Number of coordinates, of poses or of landmarks, that are bounded after one image: work is spread over the images.
 const BOUNDED_AT_ONCE: usize = 6;
-/// Least time between two earlier states of a landmark that are kept, and their greatest number.
-const FORMER_S: f64 = 1.0;
-const MOST_FORMER: usize = 8;
 
 /// All landmarks that are known, by their numbers, and the window of images.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Atlas {
-    entries: BTreeMap<LandmarkId, Entry>,
+    points: BTreeMap<LandmarkId, SpacePoint>,
     window: VecDeque<Image>,
     /// Number of coordinates that were bounded so far, by which all take turns.
     n_bounded: usize,
 }
 
-#[derive(Clone, Debug)]
-struct Entry {
-    point: SpacePoint,
-    /// The landmark of the map, to which it falls back; `None` for a landmark that is on no map.
-    of_map: Option<SpacePoint>,
-    /// Earlier states of the landmark, each with the stamp of the latest image that it follows from.
-    former: VecDeque<(f64, SpacePoint)>,
-    /// Stamp of the latest image that the landmark's box follows from.
-    since_s: f64,
-}
-
 /// An image of the window.
 #[derive(Clone, Debug)]
 struct Image {
-    stamp_s: f64,
     /// Box of the pose that the image shows.
     pose: PoseBox,
     seen: Vec<SeenPoint>,
@@ -65,37 +50,34 @@ struct Image {
 impl Atlas {
     /// The atlas of a map's landmarks.
     pub(super) fn of(points: &[(LandmarkId, SpacePoint)]) -> Atlas {
-        let entry = |&(landmark, point): &(LandmarkId, SpacePoint)| {
-            (landmark, Entry { of_map: Some(point), ..Entry::new(point, f64::NEG_INFINITY) })
-        };
-        Atlas { entries: points.iter().map(entry).collect(), ..Atlas::default() }
+        Atlas { points: points.iter().copied().collect(), ..Atlas::default() }
     }
 
     /// What is known of a landmark.
     pub(super) fn point(&self, landmark: LandmarkId) -> Option<SpacePoint> {
-        Some(self.entries.get(&landmark)?.point)
+        self.points.get(&landmark).copied()
     }
 
     /// All landmarks, in the order of their numbers.
     pub(super) fn points(&self) -> impl Iterator<Item = (LandmarkId, SpacePoint)> {
-        self.entries.iter().map(|(&landmark, entry)| (landmark, entry.point))
+        self.points.iter().map(|(&landmark, &point)| (landmark, point))
     }
 
     /// Learns from the image points of an image that shows a pose within the given box. Returns whether the images of the window agree with each other
     /// and with what was known; where they do not, no landmark becomes narrower, and the window begins anew.
-    pub(super) fn learn(&mut self, stamp_s: f64, pose: &PoseBox, seen: &[SeenPoint], optics: &Arc<Optics>) -> bool {
+    pub(super) fn learn(&mut self, pose: &PoseBox, seen: &[SeenPoint], optics: &Arc<Optics>) -> bool {
         if !is_linear_over(pose) {
             return true;
         }
         for one in seen {
-            if !self.entries.contains_key(&one.landmark)
+            if !self.points.contains_key(&one.landmark)
                 && let Some(point) = optics.first_seen(pose, one.at_px, [optics.camera.error_px; 2])
             {
-                self.entries.insert(one.landmark, Entry::new(point, stamp_s));
+                self.points.insert(one.landmark, point);
             }
         }
         if self.window.iter().all(|image| is_apart(&image.pose, pose)) {
-            self.window.push_back(Image { stamp_s, pose: *pose, seen: seen.to_vec() });
+            self.window.push_back(Image { pose: *pose, seen: seen.to_vec() });
             if self.window.len() > MOST_IMAGES {
                 self.window.pop_front();
             }
@@ -114,7 +96,6 @@ impl Atlas {
     /// no values are left, and then nothing has changed.
     fn narrow(&mut self, window: &mut [Image], optics: &Arc<Optics>) -> Option<usize> {
         let landmarks = self.related(window);
-        let newest_s = window.iter().map(|image| image.stamp_s).fold(f64::NEG_INFINITY, f64::max);
         if landmarks.is_empty() {
             return Some(0);
         }
@@ -141,17 +122,17 @@ impl Atlas {
                 pose[axis] = pose[axis].intersect(bound);
             }
         }
-        self.narrow_points(&bounds, newest_s);
+        self.narrow_points(&bounds);
         Some(n_wanted)
     }
 
-    /// Narrows landmarks by bounds that follow from images up to a stamp.
-    pub(super) fn narrow_points(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
+    /// Narrows landmarks by bounds that follow from images.
+    pub(super) fn narrow_points(&mut self, bounds: &[(Variable, Interval)]) {
         for &(variable, bound) in bounds {
             if let Variable::Point(landmark, k) = variable
-                && let Some(entry) = self.entries.get_mut(&landmark)
+                && let Some(point) = self.points.get_mut(&landmark)
             {
-                entry.narrow(k, bound, stamp_s);
+                point.value[k] = point.value[k].intersect(bound);
             }
         }
     }
@@ -164,7 +145,7 @@ impl Atlas {
         }
         let mut often: Vec<(usize, LandmarkId)> = shown
             .into_iter()
-            .filter(|(landmark, n_shown)| *n_shown > 1 && self.entries.contains_key(landmark))
+            .filter(|(landmark, n_shown)| *n_shown > 1 && self.points.contains_key(landmark))
             .map(|(landmark, n_shown)| (n_shown, landmark))
             .collect();
         often.sort_by_key(|&(n_shown, landmark)| (std::cmp::Reverse(n_shown), landmark));
@@ -174,49 +155,9 @@ impl Atlas {
         landmarks
     }
 
-    /// Takes back everything that was learnt from images stamped later than the given time, and what cannot be told from it.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        // The poses of the window follow from each other.
+    /// Begins the window of images anew: the next image does not follow those before.
+    pub(super) fn interrupt(&mut self) {
         self.window.clear();
-        self.entries.retain(|_, entry| {
-            if entry.since_s <= since_s {
-                return true;
-            }
-            entry.former.retain(|&(stamp_s, _)| stamp_s <= since_s);
-            let before = entry.former.back().copied();
-            let Some((stamp_s, point)) = before.or(entry.of_map.map(|point| (f64::NEG_INFINITY, point))) else {
-                return false;
-            };
-            (entry.since_s, entry.point) = (stamp_s, point);
-            true
-        });
-    }
-
-    /// Makes all that is known the knowledge with which a new drive begins.
-    pub(super) fn begin_anew(&mut self) {
-        self.window.clear();
-        for entry in self.entries.values_mut() {
-            *entry = Entry { of_map: Some(entry.point), ..Entry::new(entry.point, f64::NEG_INFINITY) };
-        }
-    }
-}
-
-impl Entry {
-    fn new(point: SpacePoint, since_s: f64) -> Entry {
-        Entry { point, of_map: None, former: VecDeque::new(), since_s }
-    }
-
-    /// Narrows a coordinate by what follows from images up to a stamp.
-    fn narrow(&mut self, coordinate: usize, bound: Interval, stamp_s: f64) {
-        if self.former.back().is_none_or(|&(former_s, _)| self.since_s >= former_s + FORMER_S) {
-            self.former.push_back((self.since_s, self.point));
-            if self.former.len() > MOST_FORMER {
-                self.former.pop_front();
-            }
-        }
-        let value = &mut self.point.value[coordinate];
-        *value = value.intersect(bound);
-        self.since_s = self.since_s.max(stamp_s);
     }
 }
 

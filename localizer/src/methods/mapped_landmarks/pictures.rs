@@ -15,7 +15,7 @@
 //!
 //! **Learning.** Where few landmarks are seen, new ones are made of the picture's corners (`album`).
 
-use std::{collections::VecDeque, sync::Arc};
+use std::sync::Arc;
 
 use interval::Interval;
 
@@ -32,7 +32,7 @@ use crate::{
 };
 
 use super::{
-    Learning, PointCameraModel, RECENT_S,
+    Learning, PointCameraModel,
     album::Album,
     anywhere::{is_vague, may_be_seen},
     consensus::agreeing,
@@ -150,23 +150,23 @@ pub struct PicturedLandmarks {
     drive: WholeDrive,
     /// Middle of the box of the pose from whose picture landmarks were learnt last.
     learnt_at: Option<[f64; 3]>,
-    latest: Option<Seen>,
-    looked_for: Option<LookedFor>,
     /// What the drive tells of the landmarks of the map, and of where some of them are now.
     sought: Sought,
     whereabouts: Whereabouts,
-    /// Recent pictures, from which constraints can be made anew: stamp, sightings, and how many of them may be false.
-    recent: VecDeque<(f64, Vec<Sight>, MostWrong)>,
 }
 
-/// What a picture showed, from which landmarks are still to be learnt.
-struct Seen {
+/// What one picture showed.
+struct Shows {
     stamp_s: f64,
-    found: Vec<Sight>,
-    new: Vec<Landmark>,
+    /// The sightings that tell the pose, and how many of them may be false; `None` where none does.
+    used: Option<(FewWrong, Vec<Sight>, MostWrong)>,
+    /// What was looked for; `None` where the pose was known too vaguely to tell what the picture should show.
+    looked_for: Option<LookedFor>,
+    /// Looks of what may become new landmarks; `None` where nothing is learnt from the picture.
+    new: Option<Vec<Landmark>>,
 }
 
-/// What the latest picture shows of the landmarks of the map, until it is counted.
+/// What a picture shows of the landmarks that it should show.
 struct LookedFor {
     /// Sightings where landmarks were expected, and of landmarks that were searched in the whole picture.
     sights: Vec<Sight>,
@@ -174,8 +174,13 @@ struct LookedFor {
     /// Landmarks that the picture should show and does not, near where they were first seen from and from wherever.
     missed: Vec<LandmarkId>,
     absent: Vec<LandmarkId>,
-    /// The sightings that told the pose.
-    used: Option<FewWrong>,
+}
+
+impl Shows {
+    /// A picture that shows nothing so far.
+    fn nothing(stamp_s: f64) -> Shows {
+        Shows { stamp_s, used: None, looked_for: None, new: None }
+    }
 }
 
 impl PicturedLandmarks {
@@ -218,10 +223,7 @@ impl PicturedLandmarks {
             album,
             drive: WholeDrive::default(),
             learnt_at: None,
-            latest: None,
-            looked_for: None,
             sought: Sought::default(),
-            recent: VecDeque::new(),
         }
     }
 
@@ -233,17 +235,17 @@ impl PicturedLandmarks {
         })
     }
 
-    /// Counts which landmarks of the map the latest picture shows, if its pose is within a box.
-    fn count(&mut self, shown: &PoseBox) {
-        let Some(mut latest) = self.looked_for.take().filter(|_| !shown.is_empty()) else { return };
+    /// Counts which landmarks of the map a picture shows, if its pose is within a box.
+    fn count(&mut self, picture: &Shows, shown: &PoseBox) {
+        let Some(looked_for) = picture.looked_for.as_ref().filter(|_| !shown.is_empty()) else { return };
         let of_map = |landmark: &LandmarkId| self.album.is_of_map(*landmark);
-        let contradicting = latest.used.as_ref().map_or_else(Vec::new, |used| used.contradicting(shown));
+        let contradicting = picture.used.as_ref().map_or_else(Vec::new, |(used, ..)| used.contradicting(shown));
         let is_contradicting = |sight: &Sight| sight.thing.is_some_and(|thing| contradicting.contains(&thing));
         // Whether a landmark is seen where it should be is told by the poses near the middle of the box, which are nearly always nearer to the truth.
         let likely = PoseBox::from(
             [0, 1, 2].map(|axis| Interval::centred(shown[axis].mid(), PART_OF_BOUNDS * shown[axis].radius())),
         );
-        let seen = latest.sights.iter().filter(|sight| of_map(&sight.landmark)).chain(&latest.in_whole);
+        let seen = looked_for.sights.iter().filter(|sight| of_map(&sight.landmark)).chain(&looked_for.in_whole);
         let (found, elsewhere): (Vec<&Sight>, Vec<&Sight>) =
             seen.partition(|sight| !is_contradicting(sight) && may_be_seen(&self.finder.optics, sight, &likely));
         self.whereabouts.keep(&elsewhere, shown, &self.finder.optics);
@@ -252,15 +254,15 @@ impl PicturedLandmarks {
         let found: Vec<LandmarkId> = found.iter().map(|sight| sight.landmark).collect();
         // What was found in the whole picture where it should be was not absent.
         let is_absent = |landmark: &LandmarkId| of_map(landmark) && !found.contains(landmark);
-        latest.missed.retain(is_absent);
-        latest.absent.retain(is_absent);
+        let missed: Vec<LandmarkId> = looked_for.missed.iter().copied().filter(is_absent).collect();
         let at_m = [shown[0].mid(), shown[1].mid()];
         let from = |landmark: &LandmarkId| {
             let place_m = self.album.point(*landmark)?.place_m()?;
             Some((*landmark, (at_m[1] - place_m[1].mid()).atan2(at_m[0] - place_m[0].mid())))
         };
-        let absent: Vec<(LandmarkId, f64)> = latest.absent.iter().filter_map(from).collect();
-        self.sought.count(&found, &latest.missed, &absent);
+        let absent: Vec<(LandmarkId, f64)> =
+            looked_for.absent.iter().filter(|one| is_absent(one)).filter_map(from).collect();
+        self.sought.count(&found, &missed, &absent);
     }
 
     /// Searches the landmarks that a picture from a pose within a box may show. Returns what is found, and what is left of the box where some landmarks
@@ -292,8 +294,8 @@ impl PicturedLandmarks {
 
     /// The constraint of those sightings of a picture, with their claims, that are used, each compared with a picture of the teacher where there is one.
     fn constraint(
-        &mut self,
-        stamp_s: f64,
+        &self,
+        shows: Shows,
         (mut sights, mut claims): (Vec<Sight>, Vec<Claim>),
         pose: &PoseBox,
         used: impl FnOnce(&[Sight]) -> Vec<usize>,
@@ -309,18 +311,14 @@ impl PicturedLandmarks {
             used.into_iter().map(|at| (sights[at], claims[at].clone())).unzip();
         let most_wrong = self.declared.wrong_of(sights.len());
         let on_pose = self.by_sights(&sights, most_wrong);
-        if let Some(looked_for) = &mut self.looked_for {
-            looked_for.used = Some(on_pose.clone());
-        }
-        self.recent.push_back((stamp_s, sights, most_wrong));
-        self.recent.retain(|(recent_s, ..)| *recent_s > stamp_s - RECENT_S);
+        let shows = Shows { used: Some((on_pose.clone(), sights, most_wrong)), ..shows };
         Constraint {
             relies_on: RELIES_ON.to_vec(),
             decides: on_pose.says_something(),
             claims,
             quota: Quota { things: most_wrong.things, ..Quota::of_each(most_wrong.items) },
             relations: Some(self.relations(&on_pose)),
-            ..Constraint::new(self.name(), stamp_s, on_pose)
+            ..Constraint::new(self.name(), shows.stamp_s, on_pose).showing(shows)
         }
     }
 
@@ -360,9 +358,8 @@ impl Method for PicturedLandmarks {
         let mut frame = Frame::new(image, &images);
         if is_vague(&prior) {
             let Searched { sights, claims, .. } = self.search_everywhere(&mut frame, size_px)?;
-            self.looked_for = None;
             let best_known = |sights: &[Sight]| best_known_apart(sights, MOST_USED, APART_PX);
-            return Some(self.constraint(*measured_s, (sights, claims), &prior, best_known));
+            return Some(self.constraint(Shows::nothing(*measured_s), (sights, claims), &prior, best_known));
         }
         let (Searched { sights, claims, near_px, missed, absent }, pose) = self.search(&mut frame, size_px, prior);
         if self.keeps_drive() {
@@ -372,28 +369,28 @@ impl Method for PicturedLandmarks {
         let so_far = |landmark| self.sought.so_far(landmark).filter(|_| !is_found(landmark));
         let wanted = self.whereabouts.wanted(&pose, so_far);
         let in_whole = self.finder.search_whole(&mut frame, size_px, &wanted);
-        self.looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent, used: None });
+        let looked_for = Some(LookedFor { sights: sights.clone(), in_whole, missed, absent });
         let learns = self.learning != Learning::Never && self.is_new_place(&pose);
-        if learns {
+        let new = learns.then(|| {
             let mut spread = Spread::new(size_px, sights.iter().map(|sight| sight.at_px));
             let is_apart =
                 |[u, v]: [f64; 2]| near_px.iter().all(|[near_u, near_v]| (u - near_u).hypot(v - near_v) >= APART_PX);
-            let new = frame.landmarks_where(MOST_NEW, |at_px| is_apart(at_px) && spread.takes(at_px));
-            self.latest = Some(Seen { stamp_s: *measured_s, found: sights.clone(), new });
-        }
+            frame.landmarks_where(MOST_NEW, |at_px| is_apart(at_px) && spread.takes(at_px))
+        });
+        let shows = Shows { looked_for, new, ..Shows::nothing(*measured_s) };
         if sights.is_empty() {
             // Learning follows a constraint, though one that says nothing.
             let nothing = self.by_sights(&[], MostWrong::from(1));
             return learns.then(|| Constraint {
                 decides: false,
                 relations: self.keeps_drive().then(|| self.relations(&nothing)),
-                ..Constraint::new(self.name(), *measured_s, nothing)
+                ..Constraint::new(self.name(), *measured_s, nothing).showing(shows)
             });
         }
         let most = (MOST_USED, self.declared.most_of_thing(things_of(sights.iter()).len()));
         let optics = Arc::clone(&self.finder.optics);
         let telling = |sights: &[Sight]| most_telling(sights, &pose, &optics, most, APART_PX);
-        Some(self.constraint(*measured_s, (sights, claims), &pose, telling))
+        Some(self.constraint(shows, (sights, claims), &pose, telling))
     }
 
     fn memory(&self) -> Option<&dyn Memory> {

@@ -114,7 +114,7 @@ fn what_was_learnt_since_a_failed_assumption_is_taken_back() {
     let landmarks = walls(&mut draw, 40);
     let robot = RobotModel { body: truth.body, ..robot() };
     let mut method = MappedLandmarks::new(truth.camera, &robot, &[], Learning::Teaches);
-    let mut at_five = Vec::new();
+    let (mut at_five, mut at_five_s) = (Vec::new(), None);
     for step in 0..30 {
         let at = truth.turned(&mut draw, [0.1 * f64::from(step), 0.0], 0.3);
         // From the sixth second on the pose is told 3 m wrong.
@@ -122,15 +122,16 @@ fn what_was_learnt_since_a_failed_assumption_is_taken_back() {
         let known = boxed(&mut draw, [at.pose[0], at.pose[1] + wrong_m, at.pose[2]], [0.01, 0.01, 0.005]);
         let seen = look(&truth, &mut draw, &at, &landmarks);
         let known = PoseUnion::single(known);
-        method.constrain(&reading(f64::from(step), &seen), &Context::at_rest(&known));
-        method.learn(&known, &|_, _| None);
+        let constraint = method.constrain(&reading(f64::from(step), &seen), &Context::at_rest(&known)).unwrap();
+        method.learn(&constraint.shown.unwrap(), Some(&known), &|_, _| None);
         if step == 5 {
             at_five = method.atlas.points().collect::<Vec<_>>();
+            at_five_s = method.knowledge();
         }
     }
-    method.forget_since(5.0);
+    method.go_back(&at_five_s.unwrap());
     let left: Vec<_> = method.atlas.points().collect();
-    assert!(!left.is_empty() && left.len() <= at_five.len(), "{} of {}", left.len(), at_five.len());
+    assert_eq!(left, at_five);
     for (landmark, point) in left {
         let expected = homogeneous(&point.anchor, landmarks[landmark.0 as usize]);
         assert!((0..3).all(|k| point.value[k].inflate(1e-12).contains(expected[k])), "{landmark:?} {point:?}");

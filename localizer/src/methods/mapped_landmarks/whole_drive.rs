@@ -38,9 +38,14 @@ impl WholeDrive {
         }
     }
 
-    /// Forgets pictures stamped later than the given time.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        self.pictures.retain(|(stamp_s, _)| *stamp_s <= since_s);
+    /// Number of the pictures so far.
+    pub(super) fn n_pictures(&self) -> usize {
+        self.pictures.len()
+    }
+
+    /// Forgets all but the first pictures.
+    pub(super) fn truncate(&mut self, n_pictures: usize) {
+        self.pictures.truncate(n_pictures);
     }
 
     /// Pictures of the drive, some way apart: their stamps, the boxes of the poses that they show, and their sightings that agree with what is known of

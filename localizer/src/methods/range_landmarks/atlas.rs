@@ -1,15 +1,11 @@
-//! Atlas of the landmarks learnt: boxes in the world that only ever shrink, except when what was learnt is taken back.
+//! Atlas of the landmarks learnt: boxes in the world that only ever shrink.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 use interval::contractor::{Outcome, q_intersection};
 use interval::{Interval, IntervalBox};
 
 use crate::reading::LandmarkId;
-
-/// Greatest number of former boxes that are kept of a landmark. Beyond it every second box is dropped, so that more is lost when learning
-/// is taken back.
-const MOST_FORMER: usize = 256;
 
 /// Places of all landmarks, as learnt from readings.
 #[derive(Clone, Debug)]
@@ -25,8 +21,6 @@ struct Entry {
     place: Option<[Interval; 2]>,
     /// Places at which the sightings with the landmark's code put it, since the last full window; no sighting in between is left out.
     waiting: Vec<[Interval; 2]>,
-    /// Former boxes of the landmark, each with the stamp of the reading that changed it.
-    before: VecDeque<(f64, Option<[Interval; 2]>)>,
 }
 
 impl Atlas {
@@ -51,11 +45,11 @@ impl Atlas {
     /// Of a whole window of sightings with a landmark's code at most one is wrong, so the landmark is at a place that all but one of them
     /// allow. A sighting that says nothing counts all the same: its place is then unbounded. Where no place is left for a landmark, nothing
     /// of the reading is learnt.
-    pub(super) fn learn(&mut self, stamp_s: f64, seen_at: &[(LandmarkId, [Interval; 2])]) -> Outcome {
+    pub(super) fn learn(&mut self, seen_at: &[(LandmarkId, [Interval; 2])]) -> Outcome {
         let mut learnt: BTreeMap<LandmarkId, Entry> = BTreeMap::new();
         for (landmark, place) in seen_at {
             let known = || self.entries.get(landmark).cloned().unwrap_or_default();
-            let outcome = learnt.entry(*landmark).or_insert_with(known).learn(stamp_s, *place, self.window);
+            let outcome = learnt.entry(*landmark).or_insert_with(known).learn(*place, self.window);
             if outcome != Outcome::Feasible {
                 return outcome;
             }
@@ -70,27 +64,8 @@ impl Atlas {
     }
 
     /// Narrows the box of a known landmark to its intersection with `place`.
-    pub(super) fn narrow(&mut self, stamp_s: f64, landmark: LandmarkId, place: [Interval; 2]) -> Outcome {
-        self.entries.get_mut(&landmark).map_or(Outcome::Feasible, |entry| entry.narrow(stamp_s, place))
-    }
-
-    /// Takes back everything about landmarks that was learnt from stamps later than `since_s`.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        for entry in self.entries.values_mut() {
-            entry.waiting.clear();
-            if let Some(first) = entry.before.iter().position(|(stamp_s, _)| *stamp_s > since_s) {
-                entry.place = entry.before[first].1;
-                entry.before.truncate(first);
-            }
-        }
-    }
-
-    /// Makes everything learnt about landmarks permanent, so that it cannot be taken back.
-    pub(super) fn settle(&mut self) {
-        for entry in self.entries.values_mut() {
-            entry.before.clear();
-            entry.waiting.clear();
-        }
+    pub(super) fn narrow(&mut self, landmark: LandmarkId, place: [Interval; 2]) -> Outcome {
+        self.entries.get_mut(&landmark).map_or(Outcome::Feasible, |entry| entry.narrow(place))
     }
 }
 
@@ -98,17 +73,17 @@ impl Atlas {
 const CAUSE: &str = "a landmark is not where it was learnt to be";
 
 impl Entry {
-    fn learn(&mut self, stamp_s: f64, seen_at: [Interval; 2], window: Option<usize>) -> Outcome {
-        let Some(window) = window else { return self.narrow(stamp_s, seen_at) };
+    fn learn(&mut self, seen_at: [Interval; 2], window: Option<usize>) -> Outcome {
+        let Some(window) = window else { return self.narrow(seen_at) };
         self.waiting.push(seen_at);
         if self.waiting.len() < window {
             return Outcome::Feasible;
         }
         let uses: Vec<IntervalBox<2>> = self.waiting.drain(..).map(IntervalBox::new).collect();
-        self.narrow(stamp_s, q_intersection(&uses, 1).components())
+        self.narrow(q_intersection(&uses, 1).components())
     }
 
-    fn narrow(&mut self, stamp_s: f64, seen_at: [Interval; 2]) -> Outcome {
+    fn narrow(&mut self, seen_at: [Interval; 2]) -> Outcome {
         let narrower = match self.place {
             Some(place) => [place[0].intersect(seen_at[0]), place[1].intersect(seen_at[1])],
             None => seen_at,
@@ -116,18 +91,9 @@ impl Entry {
         if narrower.iter().any(|axis| axis.is_empty()) {
             return Outcome::Empty(CAUSE);
         }
-        if narrower.iter().any(|axis| !axis.is_bounded()) || self.place == Some(narrower) {
-            return Outcome::Feasible;
+        if narrower.iter().all(|axis| axis.is_bounded()) {
+            self.place = Some(narrower);
         }
-        self.before.push_back((stamp_s, self.place));
-        if self.before.len() > MOST_FORMER {
-            let mut idx = 0;
-            self.before.retain(|_| {
-                idx += 1;
-                idx % 2 == 1
-            });
-        }
-        self.place = Some(narrower);
         Outcome::Feasible
     }
 }

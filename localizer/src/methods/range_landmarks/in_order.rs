@@ -85,9 +85,9 @@ impl InOrder {
         complete
     }
 
-    /// Drops what would be learnt from readings stamped later than `since_s`; their places in the order stay.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        self.waiting.iter_mut().filter(|(stamp_s, _)| *stamp_s > since_s).for_each(|(_, learnt)| *learnt = None);
+    /// Drops what would be learnt from the readings that wait; their places in the order stay.
+    pub(super) fn miss_all(&mut self) {
+        self.waiting.iter_mut().for_each(|(_, learnt)| *learnt = None);
     }
 
     /// Empties the queue when the clock is set back to 0: no reading from before is consecutive to one from after.

@@ -4,7 +4,7 @@
 //! wrong, readings are kept in runs of consecutive readings, each run as long as a window: of consecutive sightings with a landmark's code
 //! at most one in each window is wrong, but nothing of the kind is known for readings picked here and there.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use interval::contractor::{Contractor, Outcome, q_intersection};
 use interval::{Interval, IntervalBox};
@@ -54,7 +54,7 @@ struct KeyFrame {
     pose: PoseBox,
     /// Motion of the robot from the key frame before to this one, if known.
     motion: Option<Motion>,
-    seen: Vec<Seen>,
+    seen: Arc<[Seen]>,
 }
 
 impl KeyFrames {
@@ -88,7 +88,7 @@ impl KeyFrames {
             self.lacking = self.window;
         }
         let motion = self.way.map(|(_, way)| way).filter(|_| !self.frames.is_empty());
-        self.frames.push(KeyFrame { stamp_s, run: self.n_runs, taken: pose, pose, motion, seen });
+        self.frames.push(KeyFrame { stamp_s, run: self.n_runs, taken: pose, pose, motion, seen: seen.into() });
         self.way = Some((stamp_s, IntervalBox::point(&[0.0; 3])));
         self.lacking -= 1;
     }
@@ -102,6 +102,17 @@ impl KeyFrames {
             self.lacking = 0;
             self.way = None;
         }
+    }
+
+    /// Ends the way since the last key frame: the robot was put elsewhere, or the motion since is doubted.
+    pub(super) fn end_way(&mut self) {
+        self.interrupt();
+        for frame in &mut self.frames {
+            frame.stamp_s = f64::NEG_INFINITY;
+            frame.taken = frame.pose;
+        }
+        self.way = None;
+        self.latest_s = f64::NEG_INFINITY;
     }
 
     /// Drops every second run of key frames and joins the motions across it.
@@ -132,16 +143,16 @@ impl KeyFrames {
 
     /// Contracts the pose of every key frame by the landmarks and by its neighbouring frames, and the landmarks by the poses: once along
     /// the drive and once back. Where no pose is left for a frame, or no place for a landmark, everything stays as it was.
-    pub(super) fn sweep(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
+    pub(super) fn sweep(&mut self, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
         let (mut frames, mut known) = (self.clone(), atlas.clone());
-        let outcome = frames.contract(now_s, &mut known, freedom);
+        let outcome = frames.contract(&mut known, freedom);
         if outcome == Outcome::Feasible {
             (*self, *atlas) = (frames, known);
         }
         outcome
     }
 
-    fn contract(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
+    fn contract(&mut self, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
         let n_frames = self.frames.len();
         let there = (0..n_frames).map(|idx| (idx, Direction::Forth));
         let back = (0..n_frames).rev().map(|idx| (idx, Direction::Back));
@@ -154,7 +165,7 @@ impl KeyFrames {
                 outcome = self.frames[idx].look(atlas, freedom, self.q_items);
             }
             if outcome == Outcome::Feasible {
-                outcome = self.teach_at_the_end_of_a_run(idx, direction, now_s, atlas);
+                outcome = self.teach_at_the_end_of_a_run(idx, direction, atlas);
             }
             if outcome == Outcome::Feasible && direction == Direction::Back {
                 outcome = self.contract_by_way(idx, direction);
@@ -177,7 +188,7 @@ impl KeyFrames {
     }
 
     /// Narrows the landmarks by the key frames of a run, when `idx` is the last frame of the run in the direction of the sweep.
-    fn teach_at_the_end_of_a_run(&self, idx: usize, direction: Direction, now_s: f64, atlas: &mut Atlas) -> Outcome {
+    fn teach_at_the_end_of_a_run(&self, idx: usize, direction: Direction, atlas: &mut Atlas) -> Outcome {
         let run = self.frames[idx].run;
         let next = match direction {
             Direction::Forth => idx + 1,
@@ -189,7 +200,7 @@ impl KeyFrames {
         }
         let mut uses: BTreeMap<LandmarkId, Vec<[Interval; 2]>> = BTreeMap::new();
         for frame in self.frames.iter().filter(|frame| frame.run == run) {
-            for seen in &frame.seen {
+            for seen in frame.seen.iter() {
                 uses.entry(seen.landmark).or_default().push(seen.in_world(&frame.pose));
             }
         }
@@ -197,7 +208,7 @@ impl KeyFrames {
             let n_wrong = if self.q_items == 0 { 0 } else { places.len().div_ceil(self.window) };
             if places.len() > n_wrong {
                 let boxes: Vec<IntervalBox<2>> = places.into_iter().map(IntervalBox::new).collect();
-                let outcome = atlas.narrow(now_s, landmark, q_intersection(&boxes, n_wrong).components());
+                let outcome = atlas.narrow(landmark, q_intersection(&boxes, n_wrong).components());
                 if outcome != Outcome::Feasible {
                     return outcome;
                 }
@@ -210,28 +221,6 @@ impl KeyFrames {
     fn neighbours(&mut self, idx: usize) -> Option<(&mut KeyFrame, &mut KeyFrame)> {
         let (before, from) = self.frames.split_at_mut(idx);
         Some((before.last_mut()?, from.first_mut()?))
-    }
-
-    /// Drops key frames taken later than `since_s`, together with the whole run of key frames that the first of them belongs to. The pose
-    /// boxes of all frames that stay are reset to what they were when each frame was taken.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        let cut = self.frames.iter().find(|frame| frame.stamp_s > since_s).map(|frame| frame.run);
-        self.frames.retain(|frame| frame.stamp_s <= since_s && cut.is_none_or(|run| frame.run < run));
-        self.interrupt();
-        self.frames.iter_mut().for_each(|frame| frame.pose = frame.taken);
-        self.way = None;
-        self.latest_s = self.latest_s.min(since_s);
-    }
-
-    /// Makes what is kept in the key frames permanent, so that it cannot be taken back.
-    pub(super) fn settle(&mut self) {
-        self.interrupt();
-        for frame in &mut self.frames {
-            frame.stamp_s = f64::NEG_INFINITY;
-            frame.taken = frame.pose;
-        }
-        self.way = None;
-        self.latest_s = f64::NEG_INFINITY;
     }
 }
 

@@ -6,12 +6,16 @@ use interval::Interval;
 
 use crate::method::Earlier;
 
-use super::posture::Agreement;
+use super::Image;
 
 /// For each count, from one up, the headings at the latest stamp on which so many level edges of an earlier image agree.
 pub(super) fn headings_now(image: &Earlier) -> Vec<Vec<Interval>> {
-    let by_count = image.shown::<Agreement>().into_iter().flatten();
-    by_count.map(|headings| headings.iter().map(|&heading| heading + image.moved[2]).collect()).collect()
+    let by_count = image.shown::<Image>().map(|image| &image.agreement);
+    by_count
+        .into_iter()
+        .flatten()
+        .map(|headings| headings.iter().map(|&heading| heading + image.moved[2]).collect())
+        .collect()
 }
 
 /// Record of which images in a sequence certainly have more wrong edges than declared, provided that the prior was right: at no heading

@@ -1,26 +1,21 @@
-//! Learnt directions of the building: what `wall_directions` keeps from one image to the next, learns, and takes back.
+//! Learnt directions of the building: what `wall_directions` learns from images, and takes back.
+
+use std::sync::Arc;
 
 use interval::Interval;
 
 use crate::{
     PoseUnion,
-    method::{Memory, MotionBetween},
+    method::{Knowledge, Memory, MotionBetween, Shown},
 };
 
-use super::{FEWEST_TO_LEARN, NEW_DIRECTION_RAD, WallDirections, headings, held::Certificates};
-
-/// One direction of the building modulo quarter turns, from world x counter-clockwise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Direction {
-    pub(super) direction_rad: Interval,
-    /// Stamp of the image from which the direction was learnt; directions of the map are known from the beginning.
-    pub(super) since_s: f64,
-}
+use super::{FEWEST_TO_LEARN, Image, NEW_DIRECTION_RAD, WallDirections, headings, held::Certificates};
 
 impl Memory for WallDirections {
-    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
-        let heading = posterior.hull()[2];
-        if !self.learns || self.strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, _motion: MotionBetween) {
+        let Some(heading) = posterior.map(|posterior| posterior.hull()[2]) else { return };
+        let strange_rad = shown.downcast_ref::<Image>().map_or(&[][..], |image| &image.strange_rad);
+        if !self.learns || strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {
             return;
         }
         // A direction α of the building is the heading θ plus the edge's angle φ from robot forward, up to quarter turns. Its interval is as wide as
@@ -28,7 +23,7 @@ impl Memory for WallDirections {
         let quarter = Interval::PI * 0.5;
         let any = Interval::new(-0.1, quarter.hi() + 0.1);
         let turned: Vec<Vec<Interval>> =
-            self.strange_rad.iter().map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any)).collect();
+            strange_rad.iter().map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any)).collect();
         let agreed = headings::agreed(&turned, turned.len() - self.quotas.wrong_of_image(turned.len()));
         let Some(azimuth) = one_direction(&agreed) else { return };
         let direction_rad = azimuth + heading;
@@ -36,13 +31,19 @@ impl Memory for WallDirections {
             let quarters = ((known.mid() - direction_rad.mid()) / quarter.mid()).round();
             !(direction_rad + quarter * quarters).inflate(NEW_DIRECTION_RAD).is_disjoint_from(known)
         };
-        if direction_rad.width() <= NEW_DIRECTION_RAD && !self.directions_rad().into_iter().any(near) {
-            self.directions.push(Direction { direction_rad, since_s: self.latest_s });
+        if direction_rad.width() <= NEW_DIRECTION_RAD && !self.directions_rad.iter().copied().any(near) {
+            self.directions_rad.push(direction_rad);
         }
     }
 
-    fn forget_since(&mut self, since_s: f64) {
-        self.directions.retain(|direction| direction.since_s <= since_s);
+    fn knowledge(&self) -> Option<Knowledge> {
+        Some(Arc::new(self.directions_rad.clone()))
+    }
+
+    fn go_back(&mut self, known: &Knowledge) {
+        if let Some(directions_rad) = known.downcast_ref::<Vec<Interval>>() {
+            self.directions_rad.clone_from(directions_rad);
+        }
         self.certificates = Certificates::default();
     }
 
@@ -54,9 +55,7 @@ impl Memory for WallDirections {
         are_too_many
     }
 
-    fn clock_set_back(&mut self) {
-        self.directions.iter_mut().for_each(|direction| direction.since_s = f64::NEG_INFINITY);
-    }
+    fn clock_set_back(&mut self) {}
 }
 
 /// The one direction on which all given intervals of directions agree up to quarter turns; `None` where they give several directions and it is not

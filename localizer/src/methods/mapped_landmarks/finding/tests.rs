@@ -255,8 +255,10 @@ fn gone(is_later: bool, n_pictures: u32, shift_m: [f64; 2]) -> Vec<(f64, Option<
             exposure_s: 0.0,
             image,
         };
-        method.constrain(&reading, &Context::at_rest(&pose));
-        method.learn(&pose, &|_, _| None);
+        let constraint = method.constrain(&reading, &Context::at_rest(&pose));
+        if let Some(shown) = constraint.and_then(|constraint| constraint.shown) {
+            method.learn(&shown, Some(&pose), &|_, _| None);
+        }
     }
     let place = |landmark: LandmarkId| taken.places_m[landmark.0 as usize][0];
     let seen = method.seen_again();

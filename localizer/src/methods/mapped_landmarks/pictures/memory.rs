@@ -8,17 +8,17 @@ use crate::{
     PoseBox, PoseUnion,
     graph::{Relations, Variable},
     map::{SeenAgain, SpacePoint, Views},
-    method::{Memory, MotionBetween, OnPose},
+    method::{Knowledge, Memory, MotionBetween, OnPose, Shown},
     reading::LandmarkId,
     vision::point_features::Landmark,
 };
 
-use super::{KNOWN_M, KNOWN_RAD, Learning, PicturedLandmarks, Seen, Sight, WholeDrive, view};
+use super::{Album, KNOWN_M, KNOWN_RAD, Learning, LookedFor, PicturedLandmarks, Shows, Sight, WholeDrive, view};
 
 impl Memory for PicturedLandmarks {
     /// The constraint of a picture by what is left of its landmarks: some of it may have been unlearnt since.
-    fn on_pose_again(&self, stamp_s: f64) -> Option<OnPose> {
-        let (_, sights, most_wrong) = self.recent.iter().rev().find(|(recent_s, ..)| *recent_s == stamp_s)?;
+    fn on_pose_again(&self, shown: &Shown) -> Option<OnPose> {
+        let (_, sights, most_wrong) = shown.downcast_ref::<Shows>()?.used.as_ref()?;
         let again = |sight: &Sight| {
             let mut point = self.album.point(sight.landmark)?;
             // What was learnt of the landmark after the picture was not claimed of it.
@@ -39,8 +39,8 @@ impl Memory for PicturedLandmarks {
         self.drive.parts(&shown, &self.album, &self.finder.optics)
     }
 
-    fn narrow(&mut self, bounds: &[(Variable, Interval)], stamp_s: f64) {
-        self.album.narrow(bounds, stamp_s);
+    fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
+        self.album.narrow(bounds);
     }
 
     fn views(&self, shown: &[(f64, PoseBox)]) -> Option<Views> {
@@ -53,26 +53,32 @@ impl Memory for PicturedLandmarks {
         self.keeps_drive().then(|| self.album.views(view::kept(optics), &pictures))
     }
 
-    fn forget_since(&mut self, since_s: f64) {
-        self.album.forget_since(since_s);
-        self.drive.forget_since(since_s);
-        self.latest = None;
+    fn knowledge(&self) -> Option<Knowledge> {
+        (self.learning != Learning::Never).then(|| Arc::new((self.album.clone(), self.drive.n_pictures())) as _)
+    }
+
+    fn go_back(&mut self, known: &Knowledge) {
+        if let Some((album, n_pictures)) = known.downcast_ref::<(Album, usize)>() {
+            self.album.clone_from(album);
+            self.drive.truncate(*n_pictures);
+        }
+        self.album.interrupt();
     }
 
     fn clock_set_back(&mut self) {
         self.album.begin_anew();
         self.drive = WholeDrive::default();
-        self.latest = None;
         self.learnt_at = None;
-        self.looked_for = None;
-        self.recent.clear();
     }
 
-    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, _motion: MotionBetween) {
+        let (Some(picture), Some(posterior)) = (shown.downcast_ref::<Shows>(), posterior) else { return };
         // The pose that the picture shows.
         let shown = self.stray.around(&posterior.hull());
-        self.count(&shown);
-        let Some(Seen { stamp_s, found, new }) = self.latest.take() else { return };
+        self.count(picture, &shown);
+        let Shows { stamp_s, looked_for: Some(LookedFor { sights: found, .. }), new: Some(new), .. } = picture else {
+            return;
+        };
         let is_known = shown.width(0).max(shown.width(1)) <= KNOWN_M && shown.width(2) <= KNOWN_RAD;
         if shown.is_empty() || !is_known {
             return;
@@ -84,15 +90,15 @@ impl Memory for PicturedLandmarks {
             let straight = self.finder.lens.straightened(look.position_px(), [0.0; 2]);
             if let Some((at_px, error_px)) = straight
                 && let Some(point) = self.finder.optics.first_seen(&shown, at_px, error_px)
-                && let Some(landmark) = self.album.add(look, point, stamp_s)
+                && let Some(landmark) = self.album.add(look.clone(), point, *stamp_s)
             {
                 first.push(Sight { landmark, point, at_px, error_px, view: None, thing: None });
             }
         }
         if self.keeps_drive() {
-            self.drive.note(stamp_s, &first);
+            self.drive.note(*stamp_s, &first);
         }
-        self.album.learn(stamp_s, &shown, [&found, &first], &self.finder.optics, self.learning == Learning::Teaches);
+        self.album.learn(&shown, [found, &first], &self.finder.optics, self.learning == Learning::Teaches);
     }
 
     fn space_points(&self) -> Vec<(LandmarkId, SpacePoint)> {

@@ -103,7 +103,7 @@ fn parts_share_no_landmark_and_leave_out_rare_ones_and_sightings_of_something_el
     let parts = drive.parts(&poses[..5], &album, &optics);
     assert!(parts.iter().flatten().all(|(stamp_s, _)| *stamp_s < 5.0));
     let mut earlier = drive;
-    earlier.forget_since(1.0);
+    earlier.truncate(2);
     assert!(earlier.parts(&poses, &album, &optics).is_empty());
 }
 
@@ -120,7 +120,7 @@ fn parts_bound_landmarks_by_all_pictures_and_hold_them() {
             let wanted: Vec<Variable> =
                 of_part.iter().flat_map(|landmark| (0..3).map(|k| Variable::Point(*landmark, k))).collect();
             let bounds = bounds_over(&readings, &wanted).unwrap();
-            album.narrow(&wanted.into_iter().zip(bounds).collect::<Vec<_>>(), 9.0);
+            album.narrow(&wanted.into_iter().zip(bounds).collect::<Vec<_>>());
         }
         for (number, landmark) in (0..N_LANDMARKS).zip(&landmarks) {
             let point = album.point(LandmarkId(number)).unwrap();
