@@ -34,6 +34,8 @@ struct KeyFrame {
     stamp_s: f64,
     /// Box of the pose: as it was known when the key frame was made, narrowed since by bounds of the linear program.
     pose: PoseBox,
+    /// What the box was before it was narrowed, each with the stamp of the key frame that was the latest one then.
+    wider: Vec<(f64, PoseBox)>,
     /// The reading that makes the pose's box, if it is of one.
     label: Option<BoxLabel>,
     /// The way from the key frame before; `None` for the first one, and where no reading of the motion is to be believed.
@@ -140,13 +142,28 @@ impl KeyFrames {
         })
     }
 
-    /// Narrows the poses among the quantities of which bounds are given.
+    /// Narrows the poses among the quantities of which bounds are given, which follow from all key frames.
     pub fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
+        let Some(latest_s) = self.latest_s() else { return };
         for &(variable, bound) in bounds {
             if let Variable::Pose(number, axis) = variable
                 && let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number)
             {
+                if frame.wider.last().is_none_or(|(narrowed_s, _)| *narrowed_s != latest_s) {
+                    frame.wider.push((latest_s, frame.pose));
+                }
                 frame.pose[axis] = frame.pose[axis].intersect(bound);
+            }
+        }
+    }
+
+    /// Forgets the key frames after a stamp, and what followed from them for the poses of those before.
+    pub fn forget_since(&mut self, since_s: f64) {
+        self.frames.retain(|frame| frame.stamp_s <= since_s);
+        for frame in &mut self.frames {
+            let n_before = frame.wider.partition_point(|(narrowed_s, _)| *narrowed_s <= since_s);
+            if let Some((_, pose)) = frame.wider.drain(n_before..).next() {
+                frame.pose = pose;
             }
         }
     }
@@ -189,7 +206,17 @@ impl KeyFrames {
         let number = self.new_number();
         let (label, link, place) = (None, None, None);
         let readings = reading.into_iter().map(|reading| FrameReading { number, ..reading }).collect();
-        self.frames.push_back(KeyFrame { number, stamp_s, pose, label, link, readings, is_linked: false, place });
+        self.frames.push_back(KeyFrame {
+            number,
+            stamp_s,
+            pose,
+            wider: Vec::new(),
+            label,
+            link,
+            readings,
+            is_linked: false,
+            place,
+        });
     }
 
     /// Adds a reading to the key frame with exactly this stamp, if there is one without a reading of this source. Returns whether it was added.

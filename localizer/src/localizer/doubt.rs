@@ -22,6 +22,7 @@ use crate::{Constraint, PoseBox, PoseUnion, method::Window};
 
 use super::{
     Localizer, REMEMBER_S,
+    heading_fixes::HeadingFixes,
     hypothesis::{Failed, Hypothesis, Witness, named},
     moves::{REACH, WHEELS},
     naming::Intersected,
@@ -106,7 +107,7 @@ impl Localizer {
         let since: Vec<(Failed, f64)> =
             reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
         self.hypotheses = since.iter().map(|(failed, _)| Hypothesis::new(*failed)).collect();
-        self.graph.clear();
+        self.graph.forget_since(self.now_s - REMEMBER_S);
         self.ring.forget_relations();
         for slot in self.ring.iter_mut() {
             let believed = std::mem::take(&mut slot.unions[0]);
@@ -147,6 +148,7 @@ impl Localizer {
             unions.truncate(1);
         }
         self.hypotheses = failed.into_iter().map(Hypothesis::new).collect();
+        self.graph.clear();
         self.answer(merged(&unions));
         self.ring.restart(Slot::anchor(self.now_s, unions));
         self.restart_integral();
@@ -287,9 +289,10 @@ impl Localizer {
         let supported =
             self.hypotheses.iter().zip(&last.unions).filter(|(one, union)| one.is_supported() && !union.is_empty());
         self.set_aside.extend(supported.flat_map(|(one, _)| &one.misplaced));
-        // If everything known before was false, the heading fixes of that time and what was learnt from them are false as well.
-        if let (Failed::Memory, Some(fixes)) = (hypothesis.failed, &mut self.fixes) {
-            fixes.forget();
+        // If everything known before was false, so are the heading fixes and key frames of that time, and what was learnt from them.
+        if hypothesis.failed == Failed::Memory {
+            self.fixes.iter_mut().for_each(HeadingFixes::forget);
+            self.graph.clear();
         }
         self.doubts.ended_s = last.stamp_s;
         self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];
@@ -329,7 +332,7 @@ impl Localizer {
         let mut first_s = f64::INFINITY;
         self.go_back(since_s);
         self.tell_wheels_of_gyro();
-        self.graph.clear();
+        self.graph.forget_since(since_s);
         // Readings that are held were carried by a motion of the robot that may be false, and understood from poses that may be.
         self.windows.iter_mut().for_each(Window::clear);
         for method in &self.methods {

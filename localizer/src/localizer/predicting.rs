@@ -98,7 +98,7 @@ impl Localizer {
     fn certify_slip(&mut self, [from_s, now_s]: [f64; 2]) {
         if self.slip.certify([from_s, now_s]) {
             self.note_contradiction(Intersected::WheelsAndFlow, None);
-            self.graph.clear();
+            self.graph.forget_since(from_s - slip::UNSEEN_S);
             self.ring.forget_relations();
             self.replay_all(from_s - slip::UNSEEN_S);
         }

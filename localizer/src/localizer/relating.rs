@@ -83,9 +83,16 @@ impl Graph {
         Graph { frames: KeyFrames::new(robot), work: None, width: None }
     }
 
-    /// Forgets all key frames: an assumption failed, and it is not known since when what they tell is false.
+    /// Forgets all key frames.
     pub(super) fn clear(&mut self) {
         self.frames.clear();
+        self.work = None;
+    }
+
+    /// Forgets the key frames after a stamp, since which an assumption may have been false. No way leads from those before it to later ones, but landmarks
+    /// and the robot's constants still relate them.
+    pub(super) fn forget_since(&mut self, since_s: f64) {
+        self.frames.forget_since(since_s);
         self.work = None;
     }
 

@@ -26,7 +26,7 @@ const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception
 const ANY_NAME: &str = "*";
 
 /// Names of the figures of a summary's table `metrics` that are about the localizer under test and its run.
-const OF_THE_RUN: [&str; 46] = [
+const OF_THE_RUN: [&str; 47] = [
     "arrival_error_greatest_m",
     "arrival_error_mean_m",
     "arrival_estimate_greatest_m",
@@ -47,6 +47,7 @@ const OF_THE_RUN: [&str; 46] = [
     "landmarks_grown",
     "landmarks_known",
     "landmarks_outside",
+    "landmarks_outside_longest_s",
     "longest_outside_s",
     "map_box_median_m3",
     "map_boxes_below_0_001_m3_share",

@@ -9,13 +9,16 @@ use crate::{run::RunRecord, scene::Scene};
 
 /// Figures of the landmark boxes that a method has learnt; empty when none was learnt.
 ///
-/// `landmarks_outside` counts boxes that do not hold their landmark. `landmarks_grown` counts boxes that are no subset of the same landmark's box one
+/// `landmarks_outside` counts boxes that do not hold their landmark, and `landmarks_outside_longest_s` is the longest time from a reading after which
+/// there is such a box to one after which there is none, or to the last one. `landmarks_grown` counts boxes that are no subset of the same landmark's box one
 /// reading earlier, except around a time at which the localizer doubts its assumptions and takes back what it learnt. A value other than 0 of either
 /// means that something is wrong.
 pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     let mut before: BTreeMap<LandmarkId, [Interval; 2]> = BTreeMap::new();
     let (mut outside, mut grown) = (0, 0);
+    let (mut since_s, mut longest_s) = (None, 0.0_f64);
     for reading in record.images.iter().filter(|reading| !reading.landmarks.is_empty()) {
+        let n_before = outside;
         for (landmark, place) in &reading.landmarks {
             let Some(truth) = scene.landmarks.get(landmark.0 as usize) else { continue };
             outside += usize::from(!(place[0].contains(truth.x_m) && place[1].contains(truth.y_m)));
@@ -24,6 +27,9 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
             grown += usize::from(!is_taken_back && before.get(landmark).is_some_and(|old| !is_subset(old)));
         }
         before = reading.landmarks.iter().copied().collect();
+        let began_s = since_s.take().or((outside > n_before).then_some(reading.arrived_s));
+        longest_s = longest_s.max(began_s.map_or(0.0, |began_s: f64| reading.arrived_s - began_s));
+        since_s = began_s.filter(|_| outside > n_before);
     }
     if before.is_empty() {
         return BTreeMap::new();
@@ -32,6 +38,7 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     BTreeMap::from([
         ("landmarks_known".to_owned(), before.len() as f64),
         ("landmarks_outside".to_owned(), outside as f64),
+        ("landmarks_outside_longest_s".to_owned(), longest_s),
         ("landmarks_grown".to_owned(), grown as f64),
         ("landmark_width_m".to_owned(), widths.sum::<f64>() / before.len() as f64),
     ])

@@ -62,7 +62,8 @@ impl KeyFrames {
         let place = to.map(|[_, last]| last);
         let readings = vec![FrameReading { number, ..reading }];
         let link = link(first, to.is_some());
-        let frame = KeyFrame { number, stamp_s, pose, label: None, link, readings, is_linked: true, place };
+        let wider = Vec::new();
+        let frame = KeyFrame { number, stamp_s, pose, wider, label: None, link, readings, is_linked: true, place };
         self.frames.insert(gap.at, frame);
         if self.frames.len() > MOST && !self.keeps_all {
             self.drop_one();
