@@ -1,6 +1,6 @@
 //! Sensor readings. Every reading carries the time at which it was measured and the time at which it reached the localizer.
 
-use std::sync::Arc;
+use std::{any::Any, sync::Arc};
 
 use image::GrayImage;
 
@@ -73,6 +73,9 @@ pub enum Reading {
         numbers: Vec<f64>,
     },
 }
+
+/// What one reading showed a method, as a value of a type of the method's own.
+pub type Shown = Arc<dyn Any + Send + Sync>;
 
 /// Columns at which the two views of a range camera (a stereo or structured-light camera) see one coded landmark.
 ///

@@ -10,7 +10,7 @@ use localizer::{
     bounds::Assumption,
     graph::{Disc, Domain, Relations, Row, Stray, Variable},
     localizer::Account,
-    method::{Context, Knowledge, Memory, MotionBetween, OnPose, Shown},
+    method::{Context, Knowledge, Memory, OnPose, Shown},
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
@@ -208,8 +208,8 @@ impl Method for TooSmall {
 }
 
 impl Memory for TooSmall {
-    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, motion: MotionBetween<'_>) {
-        self.method.memory_mut().into_iter().for_each(|memory| memory.learn(shown, posterior, motion));
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
+        self.method.memory_mut().into_iter().for_each(|memory| memory.learn(shown, posterior));
     }
 
     fn knowledge(&self) -> Option<Knowledge> {

@@ -7,7 +7,7 @@ use localizer::{
     Claim, Method, PoseUnion, Reading,
     method::{Context, Memory},
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
-    motion::{Motion, moved, moved_union},
+    motion::moved_union,
     reading::LandmarkId,
 };
 use rand::RngExt;
@@ -56,8 +56,6 @@ struct Drive {
     q_items: usize,
     method: RangeLandmarks,
     pose: PoseUnion,
-    /// Boxes of the motions since the start that the simulated odometry reported, each with the time stamp at which the motion ends.
-    told: Vec<(f64, Motion)>,
     time_s: f64,
     n_false: usize,
     rng: ChaCha8Rng,
@@ -79,7 +77,6 @@ impl Drive {
             q_items,
             method: RangeLandmarks::new(&robot(q_items, wrong_spacing), freedom, solver).expect("a range camera"),
             pose: PoseUnion::single(start),
-            told: Vec::new(),
             time_s: 0.0,
             n_false: 0,
             path,
@@ -108,7 +105,6 @@ impl Drive {
             let told =
                 IntervalBox::from(std::array::from_fn(|axis| measured(motion[axis], ODOMETRY[axis], &mut self.rng)));
             self.pose = moved_union(&self.pose, &told);
-            self.told.push((self.time_s, told));
         }
         let known = self.places();
         let reading = self.reading();
@@ -116,12 +112,7 @@ impl Drive {
             self.judge(&constraint.claims);
             let branches = self.pose.branches.iter().flat_map(|branch| constraint.on_pose.branches(branch)).collect();
             self.pose = PoseUnion { branches }.without_repeats();
-            let told = &self.told;
-            let between = |from_s: f64, to_s: f64| {
-                let within = told.iter().filter(|(stamp_s, _)| *stamp_s > from_s + 1e-6 && *stamp_s < to_s + 1e-6);
-                Some(within.fold(IntervalBox::point(&[0.0; 3]), |way, (_, step)| moved(&way, step)))
-            };
-            self.method.learn(&constraint.shown.unwrap(), Some(&self.pose), &between);
+            self.method.learn(&constraint.shown.unwrap(), Some(&self.pose));
         }
         let truth = self.path.pose(self.time_s);
         assert!(
@@ -170,10 +161,6 @@ impl Drive {
             let new = now.get(code).expect("a landmark is not forgotten");
             assert!((0..2).all(|axis| new[axis].is_subset_of(old[axis])), "landmark {code:?} grew");
         }
-    }
-
-    fn widths(&self) -> BTreeMap<LandmarkId, f64> {
-        self.places().into_iter().map(|(code, place)| (code, place[0].width().max(place[1].width()))).collect()
     }
 }
 
@@ -288,8 +275,7 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
         for _ in 0..20 {
             let reading = drive.reading();
             let constraint = drive.method.constrain(&reading, &Context::at_rest(&pose)).unwrap();
-            let still = |_: f64, _: f64| Some(IntervalBox::point(&[0.0; 3]));
-            drive.method.learn(&constraint.shown.unwrap(), Some(&pose), &still);
+            drive.method.learn(&constraint.shown.unwrap(), Some(&pose));
             drive.time_s += STEP_S;
         }
         drive.method.go_back(&knowledge);
@@ -301,16 +287,6 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
 }
 
 #[test]
-fn a_way_of_many_key_frames_keeps_the_truth() {
-    let mut rng = random(620);
-    let path = circle(&mut rng);
-    let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
-    // The method stores a key frame (pose and sightings) every 0.15 m. At 0.4 m/s its limit of two hundred key frames is reached after 75 s, and the
-    // method then drops every second run of them; the drive goes on for longer than that.
-    (0..1100).for_each(|_| drive.step());
-}
-
-#[test]
 fn a_clock_set_back_keeps_what_is_known() {
     let mut rng = random(601);
     let path = circle(&mut rng);
@@ -319,34 +295,4 @@ fn a_clock_set_back_keeps_what_is_known() {
     let known = drive.places();
     drive.method.clock_set_back();
     assert_eq!(drive.places(), known);
-}
-
-#[test]
-fn closing_a_loop_shrinks_landmarks_that_are_out_of_view() {
-    let (mut n_shrunk, mut n_before) = (0, 0);
-    for seed in 0..10 {
-        let mut rng = random(700 + seed);
-        let path = circle(&mut rng);
-        let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
-        // The robot's circle takes 12.57 s: after 11 s the robot is about to return to its start, and 2.5 s later it sees the first landmarks again.
-        // Landmarks seen half a lap before are out of view then, but their boxes must shrink as well.
-        (0..110).for_each(|_| drive.step());
-        let before = drive.widths();
-        (0..25).for_each(|_| drive.step());
-        let after = drive.widths();
-        // Only landmarks that lie behind the robot are counted, which neither the first reading nor the last ones see.
-        let here = drive.path.pose(drive.time_s - STEP_S)[2];
-        for (code, width_m) in &before {
-            let mark = drive.marks[code.0 as usize].xy();
-            let pose = drive.path.pose(drive.time_s - 2.0);
-            let bearing = (mark[1] - pose[1]).atan2(mark[0] - pose[0]) - here;
-            if bearing.cos() > -0.3 {
-                continue;
-            }
-            n_before += 1;
-            n_shrunk += usize::from(after[code] < 0.9 * width_m);
-        }
-    }
-    assert!(n_before > 30, "only {n_before} landmarks lay behind: the test says nothing");
-    assert!(3 * n_shrunk > n_before, "{n_shrunk} of {n_before} landmarks behind the robot shrank by a tenth");
 }

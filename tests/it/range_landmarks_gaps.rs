@@ -49,10 +49,7 @@ impl Stand {
         let pose = PoseUnion::single(PoseBox::point(&[0.0; 3]));
         let reading = Reading::Range { measured_s: stamp_s, arrived_s, sightings: vec![sighting] };
         let constraint = self.method.constrain(&reading, &Context::at_rest(&pose)).unwrap();
-        self.method.learn(&constraint.shown.unwrap(), is_learnt.then_some(&pose), &|from_s, to_s| {
-            assert!(from_s <= to_s, "motion is asked from {from_s} s back to {to_s} s");
-            Some(PoseBox::point(&[0.0; 3]))
-        });
+        self.method.learn(&constraint.shown.unwrap(), is_learnt.then_some(&pose));
         for (_, [x, y]) in self.method.landmarks() {
             assert!(x.contains(self.truth[0]) && y.contains(self.truth[1]), "{x:?}, {y:?} after {stamp_s} s");
         }

@@ -625,7 +625,7 @@ fn a_direction_is_learnt_no_better_than_the_heading_was_known_and_goes_with_a_do
     let known = union(heading_rad + 0.01, 0.015);
     let before = walls.method.knowledge().unwrap();
     let constraint = walls.constraint(2.0, &edges, &known).unwrap();
-    walls.method.learn(&constraint.shown.unwrap(), Some(&known), &|_, _| None);
+    walls.method.learn(&constraint.shown.unwrap(), Some(&known));
     let learnt = walls.method.directions_rad().to_vec();
     assert_eq!(learnt.len(), 2, "{learnt:?}");
     let quarters = ((wall_rad - learnt[1].mid()) / std::f64::consts::FRAC_PI_2).round();
@@ -654,7 +654,7 @@ fn of_directions_that_the_edges_leave_open_none_is_learnt() {
         let mut walls = method(&[0.0], true);
         let known = union(heading_rad + rng.random_range(-0.004..0.004), 0.005);
         let Some(constraint) = walls.constraint(2.0, &edges, &known) else { continue };
-        walls.method.learn(&constraint.shown.unwrap(), Some(&known), &|_, _| None);
+        walls.method.learn(&constraint.shown.unwrap(), Some(&known));
         if let [_, learnt] = *walls.method.directions_rad() {
             n_learnt += 1;
             let quarters = ((wall_rad - learnt.mid()) / std::f64::consts::FRAC_PI_2).round();

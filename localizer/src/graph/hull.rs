@@ -64,6 +64,18 @@ impl Hull {
         self.wanted.iter().map(|&(variable, _)| variable)
     }
 
+    /// No bounds yet of other quantities by the same program, which need not be prepared for its solver anew.
+    pub fn go_on_with(self, wanted: Vec<Variable>) -> Hull {
+        let wanted =
+            wanted.into_iter().filter_map(|variable| Some((variable, self.related.index(variable)?))).collect();
+        Hull { wanted, search: None, certified: Vec::new(), shares: Vec::new(), ..self }
+    }
+
+    /// The program and its labels.
+    pub fn related(&self) -> &Related {
+        &self.related
+    }
+
     /// The program and its labels.
     pub fn into_related(self) -> Related {
         self.related

@@ -9,8 +9,8 @@ use interval::Interval;
 
 use crate::{
     PoseBox, RobotModel,
-    method::Shown,
     motion::{FlowWay, Way},
+    reading::Shown,
     robot::{GyroModel, cayley_radius},
 };
 

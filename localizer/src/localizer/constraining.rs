@@ -95,12 +95,9 @@ impl Localizer {
         posterior: &PoseUnion,
     ) -> Vec<(LandmarkId, [Interval; 2])> {
         let is_doubted = self.is_doubted();
-        let (wheels, robot, slip, doubt_ended_s) = (&self.wheels, &self.robot, &self.slip, self.doubts.ended_s);
         let Some(memory) = self.methods[method].memory_mut() else { return Vec::new() };
         if let Some(shown) = shown {
-            memory.learn(shown, Some(posterior).filter(|_| !is_doubted), &|from_s, to_s| {
-                motion_between(wheels, robot, slip, false, [from_s, to_s]).filter(|_| from_s >= doubt_ended_s)
-            });
+            memory.learn(shown, Some(posterior).filter(|_| !is_doubted));
         }
         memory.landmarks()
     }

@@ -4,6 +4,7 @@
 mod account;
 mod after_turn;
 mod base_clock;
+mod bounding;
 mod carrying;
 mod constraining;
 mod doubt;
@@ -33,6 +34,8 @@ use crate::{
 
 pub use account::Account;
 use base_clock::BASE_STAMP;
+use bounding::Graph;
+pub use bounding::PoseWidth;
 use doubt::{Doubts, in_sectors};
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
@@ -41,8 +44,6 @@ pub use naming::Contradiction;
 use naming::Naming;
 pub use observed::{Dropped, Observed};
 pub use post::PostLocalized;
-use relating::Graph;
-pub use relating::PoseWidth;
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 use unlearning::EarlierKnowledge;

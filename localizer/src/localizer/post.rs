@@ -24,11 +24,11 @@ use super::Localizer;
 /// Number of key frames of a window in which a map is made: with two sensors some twelve seconds. With 40 the landmarks of `scenes/landmarks` have
 /// 0.0077 m³ at the median, in place of 0.0091 m³, where one image a second is a key frame.
 const WINDOW: usize = 24;
-/// Number of passes over the drive. There the second one makes the volumes smaller by a tenth to a sixth, the third by some hundredths.
-const PASSES: usize = 3;
-/// Number of passes over the drive in which landmarks in pictures are bounded.
-const LEARNING_PASSES: usize = 2;
-
+/// Greatest number of passes over the drive. There the second one makes the volumes smaller by a tenth to a sixth, the third by some hundredths; where
+/// the ways between key frames tell little, ten passes are worth their while.
+const MOST_PASSES: usize = 12;
+/// A further pass is made where the last one made headings or depths of landmarks narrower by more than this share.
+const WORTHWHILE: f64 = 0.05;
 /// Number of earlier pictures to each of which a map keeps the turn.
 const MOST_TURNS: usize = 8;
 
@@ -130,7 +130,27 @@ impl Localizer {
         self.learn_ways();
         self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
         let firsts = self.firsts(window);
-        (0..PASSES).all(|_| firsts.iter().all(|&first| self.bound_window(first, window)))
+        let mut before = [f64::INFINITY; 2];
+        for _ in 0..MOST_PASSES {
+            if !firsts.iter().all(|&first| self.bound_window(first, window)) {
+                return false;
+            }
+            let left = self.left_open();
+            if !is_worthwhile(before, left) {
+                break;
+            }
+            before = left;
+        }
+        true
+    }
+
+    /// How much is left open of the headings at all key frames, and of the inverse depths of all landmarks in space: their mean widths.
+    fn left_open(&self) -> [f64; 2] {
+        let memories = self.methods.iter().filter_map(|method| method.memory());
+        let points = memories.flat_map(|memory| memory.space_points());
+        let mean = |widths: Vec<f64>| widths.iter().sum::<f64>() / widths.len().max(1) as f64;
+        let headings = self.graph.frames.poses().map(|(_, pose)| pose[2].width());
+        [mean(headings.collect()), mean(points.map(|(_, point)| point.value[2].width()).collect())]
     }
 
     /// The places, among all key frames, of the first ones of windows of which each shares half with the next.
@@ -143,7 +163,8 @@ impl Localizer {
     /// Bounds the landmarks that methods learn by what pictures of a whole window show of them together. Poses do not rely on it: where parts
     /// contradict the rest, nothing is learnt of them.
     fn learn_of_drive(&mut self) {
-        for _ in 0..LEARNING_PASSES {
+        let mut before = [f64::INFINITY; 2];
+        for _ in 0..MOST_PASSES {
             for first in self.firsts(WINDOW) {
                 let frames = self.graph.frames.window(first, WINDOW);
                 let shown: Vec<(f64, PoseBox)> = frames.poses().collect();
@@ -155,6 +176,11 @@ impl Localizer {
                     }
                 }
             }
+            let left = self.left_open();
+            if !is_worthwhile(before, left) {
+                break;
+            }
+            before = left;
         }
     }
 
@@ -201,6 +227,11 @@ impl Localizer {
         self.memories().for_each(|memory| memory.narrow(&bounds));
         true
     }
+}
+
+/// Whether a pass over the drive left so much less open than before that another one is worth its while.
+fn is_worthwhile(before: [f64; 2], left: [f64; 2]) -> bool {
+    (0..2).any(|at| left[at] < (1.0 - WORTHWHILE) * before[at])
 }
 
 #[cfg(test)]

@@ -1,20 +1,17 @@
-//! The graph of key frames in the localizer: when a reading becomes a key frame, how the work on the linear program is spread over the steps, and how
-//! the program's bounds come back to the stored poses.
-//!
-//! At each wheel reading the solver takes a few steps on the programs for the least and the greatest x, y and heading of the latest key frame and for
-//! the heading of an older one. So the bounds apply from a number of wheel readings after the key frame on that does not depend on the computer's speed.
+//! The graph of key frames in the localizer: when a reading becomes a key frame, and the ways between key frames.
 
 use std::sync::Arc;
 
-use interval::{Interval, IntervalBox};
+use interval::Interval;
 
 use crate::{
-    PoseBox, PoseUnion, RobotModel,
-    graph::{FrameReading, Hull, KeyFrames, Related, Relations, Stray, Unlinked, Variable, Ways, WidthParts},
-    method::{Method, Shown},
+    PoseBox, PoseUnion,
+    graph::{FrameReading, Relations, Stray, Unlinked, Ways},
+    method::Method,
+    reading::Shown,
 };
 
-use super::{Localizer, naming::Intersected, ring::Slot};
+use super::{Localizer, bounding::Graph, ring::Slot};
 
 /// Least time between two key frames with readings of the same source, and from a key frame to one without a reading.
 const PERIOD_S: f64 = 1.0;
@@ -29,46 +26,6 @@ const FAR_RAD: f64 = 0.2;
 const SLACK_S: f64 = 1e-6;
 /// Widest heading of a key frame: what is not linear in the rows grows with the square of it.
 const WIDEST_RAD: f64 = 0.3;
-/// Number of wheel readings that are awaited after a key frame before its program is made, so that what wheels and gyroscope read at its stamp has
-/// arrived.
-const AWAITED: usize = 10;
-/// Number of key frames after which the heading of an older one is bounded once more, with all that was read since: what is not linear in the rows
-/// about it grows with the heading's interval.
-const SMOOTHED: usize = 15;
-/// One key frame in so many has its heading bounded once more.
-const SMOOTHED_EVERY: usize = 2;
-
-/// The key frames, and the work on the program of the latest one.
-pub(super) struct Graph {
-    pub(super) frames: KeyFrames,
-    work: Option<Work>,
-    /// What makes the width of the latest key frame whose bounds are known.
-    width: Option<PoseWidth>,
-}
-
-/// What makes the widths of the pose's bounds at a key frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PoseWidth {
-    /// Stamp of the key frame.
-    pub stamp_s: f64,
-    /// Along world x.
-    pub x_m: WidthParts,
-    /// Along world y.
-    pub y_m: WidthParts,
-    /// In heading.
-    pub heading_rad: WidthParts,
-}
-
-/// Work on the linear program of the latest key frame: each stage is entered at a wheel reading of its own, so that no reading takes long.
-enum Work {
-    /// Readings of the key frame's instant are awaited: the number of wheel readings since the key frame was taken in.
-    Awaiting(usize),
-    /// The program is made, and not prepared for its solver yet.
-    Made(Box<Related>),
-    /// The program is being solved: the bounds so far.
-    Solving(Box<Hull>),
-}
-
 /// A reading that relates something, for the graph.
 pub(super) struct Relating {
     /// The method that read it.
@@ -79,23 +36,6 @@ pub(super) struct Relating {
 }
 
 impl Graph {
-    pub(super) fn new(robot: &RobotModel) -> Graph {
-        Graph { frames: KeyFrames::new(robot), work: None, width: None }
-    }
-
-    /// Forgets all key frames.
-    pub(super) fn clear(&mut self) {
-        self.frames.clear();
-        self.work = None;
-    }
-
-    /// Forgets the key frames after a stamp, since which an assumption may have been false. No way leads from those before it to later ones, but landmarks
-    /// and the robot's constants still relate them.
-    pub(super) fn forget_since(&mut self, since_s: f64) {
-        self.frames.forget_since(since_s);
-        self.work = None;
-    }
-
     /// Whether a stamp becomes a key frame. A reading that relates something waits for some time after the latest one of its source, unless no such
     /// reading stands at the latest key frame; a reading of the map, whose rows tell little more than its box of the pose, waits for as long after any
     /// other. A stamp without such a reading waits longer where one may follow soon.
@@ -113,35 +53,9 @@ impl Graph {
             (None, false) => is_past(latest_s, PERIOD_S),
         }
     }
-
-    /// Has the latest key frame's pose bounded once its readings have arrived, after the work that has begun.
-    fn await_readings(&mut self) {
-        if !matches!(self.work, Some(Work::Solving(_))) {
-            self.work = Some(Work::Awaiting(0));
-        }
-    }
-
-    /// Number of the older key frame whose heading is bounded once more with the latest key frame's pose, if there is one.
-    fn older_number(&self) -> Option<usize> {
-        self.frames.number_before_latest(SMOOTHED).filter(|number| number.is_multiple_of(SMOOTHED_EVERY))
-    }
-
-    /// The quantities whose bounds are wanted: the latest key frame's pose, and the heading of an older one.
-    fn wanted(&self) -> Vec<Variable> {
-        let number = self.frames.latest_number();
-        let older = self.older_number();
-        let pose = (0..3).map(|axis| Variable::Pose(number, axis));
-        pose.chain(older.map(|number| Variable::Pose(number, 2))).collect()
-    }
 }
 
 impl Localizer {
-    /// What makes the width of the pose's bounds by the graph of key frames: for each declared bound, its part of the width at the latest key frame
-    /// whose bounds are known. `None` before the first one.
-    pub fn width_by_bound(&self) -> Option<&PoseWidth> {
-        self.graph.width.as_ref()
-    }
-
     /// Keeps a reading as a key frame if one is due, or at a key frame that there is at its stamp. `posterior` encloses the pose at its stamp.
     pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, reading: Option<Relating>) {
         let reading = reading.filter(|reading| reading.relations.is_worth_a_key_frame());
@@ -188,7 +102,7 @@ impl Localizer {
         let stray = self.stray_at(stamp_s, reading.relations.stamp_error_s());
         let reading = FrameReading::new(reading.source, reading.relations, stray).showing(reading.shown);
         if self.graph.frames.insert(&gap, stamp_s, pose, reading, ways) {
-            self.graph.work.get_or_insert(Work::Awaiting(0));
+            self.graph.begin_work();
         }
     }
 
@@ -210,33 +124,6 @@ impl Localizer {
         stray
     }
 
-    /// Goes on with the work on the latest key frame's program: a fixed part of it at each wheel reading.
-    pub(super) fn work_on_graph(&mut self) {
-        let Some(work) = self.graph.work.take() else { return };
-        self.graph.work = match work {
-            Work::Awaiting(n_readings) if n_readings + 1 < AWAITED => Some(Work::Awaiting(n_readings + 1)),
-            Work::Awaiting(_) => self.related().map(Box::new).map(Work::Made),
-            Work::Made(related) => Some(Work::Solving(Box::new(Hull::new(*related, self.graph.wanted())))),
-            Work::Solving(mut hull) => {
-                if hull.advance() {
-                    // A key frame that was made meanwhile has its turn.
-                    self.graph.work = self.graph.frames.unlinked().map(|_| Work::Awaiting(0));
-                    self.apply(*hull);
-                    return;
-                }
-                Some(Work::Solving(hull))
-            }
-        };
-    }
-
-    /// The program of all key frames, with what has been read and learnt by now; `None` where a quantity of it is not bounded.
-    fn related(&mut self) -> Option<Related> {
-        self.learn_ways();
-        self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
-        let known = self.landmarks();
-        self.graph.frames.latest().related(&known).ok()
-    }
-
     /// Computes, from the readings that have arrived, the ways to the key frames that have none yet, and how far the robot can have gone within the
     /// errors of their readings' stamps.
     pub(super) fn learn_ways(&mut self) {
@@ -247,33 +134,6 @@ impl Localizer {
             let strays: Vec<Stray> =
                 stamp_errors_s.into_iter().map(|error_s| self.stray_at(stamp_s, error_s)).collect();
             self.graph.frames.link(number, way, flow, &strays);
-        }
-    }
-
-    /// Brings the bounds of a program back to the stored pose of its key frame.
-    fn apply(&mut self, hull: Hull) {
-        let bounds = hull.bounds().unwrap_or_default();
-        let &[x, y, heading, ..] = bounds.as_slice() else {
-            self.note_contradiction(Intersected::Known, Some(hull.into_related()));
-            self.begin_doubt(None);
-            return;
-        };
-        let wanted: Vec<Variable> = hull.wanted().collect();
-        // Another key frame may have taken the place of the one that was bounded.
-        let number = wanted.first().and_then(|variable| variable.frame());
-        let Some(stamp_s) = number.and_then(|number| self.graph.frames.stamp_s(number)) else { return };
-        let parts = hull.width_parts();
-        if let [x_m, y_m, heading_rad, ..] = parts.as_slice() {
-            let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
-            self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
-        }
-        let narrower: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
-        self.graph.frames.narrow(&narrower);
-        let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return };
-        slot.related = Some(IntervalBox::from([x, y, heading]));
-        if !self.replay_all(stamp_s) {
-            self.restart_integral();
-            self.predict();
         }
     }
 }

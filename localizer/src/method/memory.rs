@@ -12,7 +12,7 @@ use crate::{
     vision::point_features::Landmark,
 };
 
-use super::{MotionBetween, OnPose, Shown};
+use super::{OnPose, Shown};
 
 /// What a method knows at one time, as a value of a type of the method's own.
 pub type Knowledge = Arc<dyn Any + Send + Sync>;
@@ -34,8 +34,8 @@ pub trait Memory {
 
     /// Learns what outlasts one reading, such as the positions of landmarks. `_shown` is what the reading showed, as its constraint says, and
     /// `_posterior` encloses the pose at its stamp, with the constraint applied; it is `None` while an assumption is doubted, when nothing is to be learnt
-    /// from the reading. `_motion` gives the robot's motion between two recent stamps, or `None` if the first of them lies before the end of a doubt.
-    fn learn(&mut self, _shown: &Shown, _posterior: Option<&PoseUnion>, _motion: MotionBetween) {}
+    /// from the reading.
+    fn learn(&mut self, _shown: &Shown, _posterior: Option<&PoseUnion>) {}
 
     /// Whether something that the method read or learnt since the last call contradicts what the method knew before, which means that an
     /// assumption failed, perhaps some time ago. Called after each reading. A contradicting reading leaves what the method knows unchanged.
@@ -52,6 +52,11 @@ pub trait Memory {
     /// What an earlier reading, which showed `_shown`, relates by what is known at the time of the call; `None` if that depends on nothing learnt.
     fn relations_again(&self, _shown: &Shown) -> Option<Arc<dyn Relations>> {
         None
+    }
+
+    /// Whether the method learns landmarks that its readings relate, so that the graph is to bound them while the robot drives.
+    fn learns_landmarks(&self) -> bool {
+        false
     }
 
     /// Narrows what is known of the method's quantities by bounds that follow from its readings. Bounds of other quantities are passed over.

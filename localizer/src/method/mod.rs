@@ -19,9 +19,10 @@ use crate::{
     quota::Quota,
 };
 
+pub use crate::reading::Shown;
 pub use claim::Claim;
 pub use memory::{Knowledge, Memory};
-pub use window::{Earlier, Shown, Window};
+pub use window::{Earlier, Window};
 
 /// A localization method for one cue, such as floor joints or ceiling markers: it evaluates each reading of its sensor once and returns a constraint
 /// on the pose. A method that learns something from its readings has a [`Memory`] as well.

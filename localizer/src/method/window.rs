@@ -4,16 +4,13 @@
 //! readings together. It does not keep them: the localizer does, carries each of them by the robot's motion since to the stamp of the next reading, and
 //! forgets them when that motion, or what was believed when they were read, may be false.
 
-use std::{any::Any, collections::VecDeque, sync::Arc};
+use std::{collections::VecDeque, sync::Arc};
 
 use interval::Interval;
 
-use crate::{motion::Motion, pose::PoseBox};
+use crate::{motion::Motion, pose::PoseBox, reading::Shown};
 
 use super::MotionBetween;
-
-/// What one reading showed a method, as a value of a type of the method's own.
-pub type Shown = Arc<dyn Any + Send + Sync>;
 
 /// A reading of a method, as seen from the stamp of its latest one.
 #[derive(Clone)]

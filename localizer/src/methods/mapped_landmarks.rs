@@ -7,10 +7,10 @@
 //! mount and lens (`ray`), none of which divides by a depth. They are rows of the graph of key frames, and rows of a program for the pose at the
 //! image's own stamp.
 //!
-//! **Learning.** A window of images from different places is kept, each with the box of the pose that it shows. A linear program of all of them
-//! together bounds the poses and the landmarks, in which the constants of the camera have one value: what parallax tells. With every pass the boxes
-//! become narrower, so that rows that are made anew lose less. Boxes only ever shrink, except when what was learnt is taken back. Work on the window is
-//! spread over the images. To teach a map, the key frames of the whole drive are kept, and the graph bounds all landmarks by them at its end.
+//! **Learning.** A landmark that an image shows for the first time is a ray of unknown depth. The graph of key frames bounds the landmarks together with
+//! the poses and the constants of the camera, which have one value: what parallax tells. With every program the boxes become narrower, so that rows that
+//! are made anew lose less. Boxes only ever shrink, except when what was learnt is taken back. To teach a map, the key frames of the whole drive are
+//! kept, and the graph bounds all landmarks by them once more at its end.
 //!
 //! A point camera tells which landmark is where in the image; [`pictures`] finds landmarks in real pictures.
 //!
@@ -45,7 +45,7 @@ use crate::{
     bounds::{self, Assumption},
     graph::{PoseByRows, Relations, Stray, Variable},
     map::SpacePoint,
-    method::{Constraint, Context, Knowledge, Memory, Method, MotionBetween, OnPose, Shown},
+    method::{Constraint, Context, Knowledge, Memory, Method, OnPose, Shown},
     reading::LandmarkId,
 };
 
@@ -81,7 +81,7 @@ const RELIES_ON: [Assumption; 13] = [
 pub enum Learning {
     /// It uses the landmarks of the map as they are.
     Never,
-    /// It learns as it drives, from a window of the latest images.
+    /// It learns as it drives, from the latest key frames.
     Drives,
     /// It also keeps the images of the whole drive, by which all landmarks are bounded at its end. Their number grows with the length of the drive.
     Teaches,
@@ -174,8 +174,12 @@ impl Memory for MappedLandmarks {
         self.learning == Learning::Teaches
     }
 
+    fn learns_landmarks(&self) -> bool {
+        self.learning != Learning::Never
+    }
+
     fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
-        self.atlas.narrow_points(bounds);
+        self.contradicts |= !self.atlas.narrow(bounds);
     }
 
     fn knowledge(&self) -> Option<Knowledge> {
@@ -186,18 +190,15 @@ impl Memory for MappedLandmarks {
         if let Some(atlas) = known.downcast_ref::<Atlas>() {
             self.atlas.clone_from(atlas);
         }
-        self.atlas.interrupt();
     }
 
-    fn clock_set_back(&mut self) {
-        self.atlas.interrupt();
-    }
+    fn clock_set_back(&mut self) {}
 
-    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, _motion: MotionBetween) {
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
         let (Some(seen), Some(posterior)) = (shown.downcast_ref::<Vec<SeenPoint>>(), posterior) else { return };
         // The pose that the image shows.
         let pose = self.stray.around(&posterior.hull());
-        self.contradicts |= !self.atlas.learn(&pose, seen, &self.optics);
+        self.atlas.learn(&pose, seen, &self.optics);
     }
 
     fn take_contradiction(&mut self) -> bool {

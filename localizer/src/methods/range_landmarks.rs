@@ -17,16 +17,14 @@
 //! **Contradiction.** As long as the declared bounds hold, the place learnt before and the place learnt from the latest window overlap,
 //! whichever of the matches are wrong. Where they do not overlap, nothing of the reading is learnt, and the localizer is notified.
 //!
-//! **Loop closure.** Key frames are readings from along the drive, kept as raw sightings with the robot's motion from each frame to the
-//! next. A sweep contracts the pose of each frame by all landmarks and by its neighbouring frames, and the landmarks by the poses: what is
-//! known at the end of a loop reaches the loop's middle.
+//! **Loop closure.** What a reading relates goes to the graph of key frames, which bounds poses and landmarks together: what is known at the end of a
+//! loop reaches the loop's middle.
 //!
-//! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
+//! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame, as its section II asks, by the graph.
 
 mod atlas;
 mod codes;
 mod in_order;
-mod keyframes;
 mod sight;
 mod solver;
 
@@ -38,7 +36,8 @@ use interval::contractor::Outcome;
 use crate::{
     PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    method::{self, Claim, Constraint, Context, Knowledge, Memory, Method, MotionBetween, OnPose},
+    graph::Variable,
+    method::{self, Claim, Constraint, Context, Knowledge, Memory, Method, OnPose},
     quota::Quota,
     reading::LandmarkId,
 };
@@ -46,7 +45,6 @@ use crate::{
 use atlas::Atlas;
 use codes::{CodeUses, RightCodes};
 use in_order::{InOrder, Learnt};
-use keyframes::KeyFrames;
 use sight::Sightings;
 pub use sight::{Seen, Sensor};
 pub use solver::{Freedom, PoseFromLandmarks, Solver};
@@ -76,14 +74,12 @@ pub struct RangeLandmarks {
     freedom: Freedom,
     solver: Solver,
     atlas: Atlas,
-    keyframes: KeyFrames,
     /// Readings of landmarks that wait until all readings measured before them have been handled.
     in_order: InOrder,
     /// The latest uses of each landmark's code, which tell what codes are certainly right.
     code_uses: CodeUses,
     /// Whether, since the localizer last asked for contradictions, a reading contradicted what was known about the landmarks.
     contradicts: bool,
-    n_learnt: usize,
 }
 
 /// What one reading showed.
@@ -93,10 +89,6 @@ struct Shown {
     seen: Vec<Seen>,
     codes: Arc<RightCodes>,
 }
-
-/// Number of readings learnt from between two sweeps over the key frames, which are readings kept from along the drive. A sweep narrows
-/// their poses and the landmarks' places by each other.
-const SWEEP_EVERY: usize = 10;
 
 impl RangeLandmarks {
     /// Makes the range-landmark method for a robot; `None` if the robot has no range camera.
@@ -108,11 +100,9 @@ impl RangeLandmarks {
             atlas: Atlas::new(camera.q_items, camera.wrong_spacing),
             freedom,
             solver,
-            keyframes: KeyFrames::new(camera.q_items, camera.wrong_spacing),
             in_order: InOrder::new(camera),
             code_uses: CodeUses::new(camera.q_items, camera.wrong_spacing),
             contradicts: false,
-            n_learnt: 0,
         })
     }
 
@@ -120,12 +110,11 @@ impl RangeLandmarks {
     /// sightings with one landmark's code, of which at most one is wrong.
     fn interrupt(&mut self) {
         self.atlas.interrupt();
-        self.keyframes.interrupt();
         self.code_uses.interrupt();
     }
 
     /// Learns landmarks from the next reading in the order of measurement.
-    fn take_in(&mut self, stamp_s: f64, learnt: Learnt, motion: MotionBetween) {
+    fn take_in(&mut self, learnt: Learnt) {
         let place = |seen: &Seen| (seen.landmark, in_world(&learnt.posterior, seen));
         let places: Vec<_> = learnt.seen.iter().map(place).collect();
         let is_wrong = |&(landmark, place): &(LandmarkId, [Interval; 2])| {
@@ -139,12 +128,6 @@ impl RangeLandmarks {
             return;
         }
         self.code_uses.take_in(&codes, &learnt.codes);
-        self.n_learnt += 1;
-        self.keyframes.keep(stamp_s, learnt.posterior.hull(), learnt.seen, motion);
-        if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
-            let outcome = self.keyframes.sweep(&mut self.atlas, self.freedom);
-            self.contradicts |= outcome != Outcome::Feasible;
-        }
     }
 
     /// Whether the readings' relations are used: where the heading is known beforehand, as in the paper's simpler tables, or another solver is to be
@@ -208,7 +191,7 @@ impl Method for RangeLandmarks {
 }
 
 impl Memory for RangeLandmarks {
-    fn learn(&mut self, shown: &method::Shown, posterior: Option<&PoseUnion>, motion: MotionBetween) {
+    fn learn(&mut self, shown: &method::Shown, posterior: Option<&PoseUnion>) {
         let Some(Shown { stamp_s, arrived_s, seen, codes }) = shown.downcast_ref() else { return };
         let learnt = |posterior: &PoseUnion| Learnt {
             posterior: posterior.clone(),
@@ -220,9 +203,9 @@ impl Memory for RangeLandmarks {
         if is_doubted {
             return;
         }
-        for (taken_s, learnt) in self.in_order.take(*arrived_s) {
+        for (_, learnt) in self.in_order.take(*arrived_s) {
             match learnt {
-                Some(learnt) => self.take_in(taken_s, learnt, motion),
+                Some(learnt) => self.take_in(learnt),
                 None => self.interrupt(),
             }
         }
@@ -232,29 +215,39 @@ impl Memory for RangeLandmarks {
         std::mem::take(&mut self.contradicts)
     }
 
+    fn learns_landmarks(&self) -> bool {
+        self.relates()
+    }
+
+    fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
+        for &(variable, bound) in bounds {
+            if let Variable::Landmark(landmark, axis) = variable {
+                let place = std::array::from_fn(|at| if at == axis { bound } else { Interval::ENTIRE });
+                self.contradicts |= self.atlas.narrow(landmark, place) != Outcome::Feasible;
+            }
+        }
+    }
+
     fn on_pose_again(&self, shown: &method::Shown) -> Option<OnPose> {
         let Shown { seen, .. } = shown.downcast_ref()?;
         Some(Box::new(PoseFromLandmarks::new(self.pairs(seen), self.q_items, self.freedom, self.solver)))
     }
 
     fn knowledge(&self) -> Option<Knowledge> {
-        Some(Arc::new((self.atlas.clone(), self.keyframes.clone())))
+        Some(Arc::new(self.atlas.clone()))
     }
 
     fn go_back(&mut self, known: &Knowledge) {
         self.in_order.miss_all();
-        if let Some((atlas, keyframes)) = known.downcast_ref::<(Atlas, KeyFrames)>() {
+        if let Some(atlas) = known.downcast_ref::<Atlas>() {
             self.atlas.clone_from(atlas);
-            self.keyframes.clone_from(keyframes);
         }
         self.interrupt();
-        self.keyframes.end_way();
     }
 
     fn clock_set_back(&mut self) {
         self.in_order.settle();
         self.interrupt();
-        self.keyframes.end_way();
     }
 
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {

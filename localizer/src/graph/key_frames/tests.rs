@@ -28,6 +28,30 @@ fn a_key_frame_gives_way_only_to_one_that_shows_as_much() {
 }
 
 #[test]
+fn what_is_forgotten_takes_back_what_it_told_of_the_poses_before_it() {
+    let mut frames = KeyFrames::new(&robot());
+    let pose = IntervalBox::from([Interval::centred(0.0, 0.1); 3]);
+    let heading = |frames: &KeyFrames, at: usize| frames.frames[at].pose[2];
+    for stamp_s in [0.0, 3.0, 6.0, 9.0] {
+        frames.push(stamp_s, pose, None);
+        let half = 0.1 - 0.01 * (1.0 + stamp_s);
+        // With each key frame the heading of the first one becomes known better, and with the last two that of the second one.
+        frames.narrow(&[(Variable::Pose(0, 2), Interval::centred(0.0, half))]);
+        if stamp_s >= 6.0 {
+            frames.narrow(&[(Variable::Pose(1, 2), Interval::centred(0.0, half))]);
+        }
+    }
+    frames.forget_since(8.9);
+    assert_eq!(frames.stamps().map(|(_, stamp_s)| stamp_s).collect::<Vec<_>>(), [0.0, 3.0, 6.0]);
+    let told_by_6_s = Interval::centred(0.0, 0.1 - 0.01 * 7.0);
+    assert_eq!([heading(&frames, 0), heading(&frames, 1)], [told_by_6_s; 2]);
+    frames.forget_since(3.0);
+    assert_eq!([heading(&frames, 0), heading(&frames, 1)], [Interval::centred(0.0, 0.1 - 0.01 * 4.0), pose[2]]);
+    frames.forget_since(-1.0);
+    assert_eq!(frames.n_frames(), 0);
+}
+
+#[test]
 fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_what_adds_up() {
     for round in 0..6 {
         let mut draw = Draw::new(20_261_127 + round);

@@ -4,10 +4,10 @@ use interval::Interval;
 
 use super::*;
 use crate::{
-    Map, PoseBox,
+    Map, PoseBox, RobotModel,
     bounds::{self, Assumption},
     graph::{
-        Domain, Row,
+        Domain, Row, Variable,
         trial::{gyro, robot},
     },
     robot::GyroModel,

@@ -123,7 +123,7 @@ fn what_was_learnt_since_a_failed_assumption_is_taken_back() {
         let seen = look(&truth, &mut draw, &at, &landmarks);
         let known = PoseUnion::single(known);
         let constraint = method.constrain(&reading(f64::from(step), &seen), &Context::at_rest(&known)).unwrap();
-        method.learn(&constraint.shown.unwrap(), Some(&known), &|_, _| None);
+        method.learn(&constraint.shown.unwrap(), Some(&known));
         if step == 5 {
             at_five = method.atlas.points().collect::<Vec<_>>();
             at_five_s = method.knowledge();

@@ -6,13 +6,13 @@ use interval::Interval;
 
 use crate::{
     PoseUnion,
-    method::{Knowledge, Memory, MotionBetween, Shown},
+    method::{Knowledge, Memory, Shown},
 };
 
 use super::{FEWEST_TO_LEARN, Image, NEW_DIRECTION_RAD, WallDirections, headings, held::Certificates};
 
 impl Memory for WallDirections {
-    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, _motion: MotionBetween) {
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
         let Some(heading) = posterior.map(|posterior| posterior.hull()[2]) else { return };
         let strange_rad = shown.downcast_ref::<Image>().map_or(&[][..], |image| &image.strange_rad);
         if !self.learns || strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {

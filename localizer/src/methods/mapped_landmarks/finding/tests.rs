@@ -257,7 +257,7 @@ fn gone(is_later: bool, n_pictures: u32, shift_m: [f64; 2]) -> Vec<(f64, Option<
         };
         let constraint = method.constrain(&reading, &Context::at_rest(&pose));
         if let Some(shown) = constraint.and_then(|constraint| constraint.shown) {
-            method.learn(&shown, Some(&pose), &|_, _| None);
+            method.learn(&shown, Some(&pose));
         }
     }
     let place = |landmark: LandmarkId| taken.places_m[landmark.0 as usize][0];

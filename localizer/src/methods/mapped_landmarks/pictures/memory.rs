@@ -8,7 +8,7 @@ use crate::{
     PoseBox, PoseUnion,
     graph::{Relations, Variable},
     map::{SeenAgain, SpacePoint, Views},
-    method::{Knowledge, Memory, MotionBetween, OnPose, Shown},
+    method::{Knowledge, Memory, OnPose, Shown},
     reading::LandmarkId,
     vision::point_features::Landmark,
 };
@@ -71,7 +71,7 @@ impl Memory for PicturedLandmarks {
         self.learnt_at = None;
     }
 
-    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>, _motion: MotionBetween) {
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
         let (Some(picture), Some(posterior)) = (shown.downcast_ref::<Shows>(), posterior) else { return };
         // The pose that the picture shows.
         let shown = self.stray.around(&posterior.hull());

@@ -1,0 +1,227 @@
+//! Bounds by the graph of key frames: how the work on its linear programs is spread over the steps, and how their bounds come back to the stored poses
+//! and to the landmarks that methods learn.
+//!
+//! At each wheel reading the solver takes a few steps on the programs for the least and the greatest x, y and heading of the latest key frame and for
+//! the heading of an older one, and then for the place of a landmark, all of which take turns. So the bounds apply from a number of wheel readings after
+//! the key frame on that does not depend on the computer's speed.
+
+use interval::{Interval, IntervalBox};
+
+use crate::{
+    RobotModel,
+    graph::{Hull, KeyFrames, Related, Variable, WidthParts},
+    reading::LandmarkId,
+};
+
+use super::{Localizer, naming::Intersected};
+
+/// Number of wheel readings that are awaited after a key frame before its program is made, so that what wheels and gyroscope read at its stamp has
+/// arrived.
+const AWAITED: usize = 10;
+/// Number of key frames after which the heading of an older one is bounded once more, with all that was read since: what is not linear in the rows
+/// about it grows with the heading's interval.
+const SMOOTHED: usize = 15;
+/// One key frame in so many has its heading bounded once more.
+const SMOOTHED_EVERY: usize = 2;
+/// Greatest number of coordinates of landmarks that are bounded with a key frame's program: those of three landmarks in the plane, or of two in space.
+const COORDINATES: usize = 6;
+
+/// What makes the widths of the pose's bounds at a key frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseWidth {
+    /// Stamp of the key frame.
+    pub stamp_s: f64,
+    /// Along world x.
+    pub x_m: WidthParts,
+    /// Along world y.
+    pub y_m: WidthParts,
+    /// In heading.
+    pub heading_rad: WidthParts,
+}
+
+/// The key frames, and the work on the program of the latest one.
+pub(super) struct Graph {
+    pub(super) frames: KeyFrames,
+    work: Option<Work>,
+    /// The landmark that was bounded last.
+    bounded_last: Option<LandmarkId>,
+    /// What makes the width of the latest key frame whose bounds are known.
+    width: Option<PoseWidth>,
+}
+
+/// Work on the linear program of the latest key frame: each stage is entered at a wheel reading of its own, so that no reading takes long.
+enum Work {
+    /// Readings of the key frame's instant are awaited: the number of wheel readings since the key frame was taken in.
+    Awaiting(usize),
+    /// The program is made, and not prepared for its solver yet.
+    Made(Box<Related>),
+    /// Poses are being bounded: the bounds so far.
+    Poses(Box<Hull>),
+    /// Landmarks are being bounded: the bounds so far.
+    Landmarks(Box<Hull>),
+}
+
+impl Graph {
+    pub(super) fn new(robot: &RobotModel) -> Graph {
+        Graph { frames: KeyFrames::new(robot), work: None, bounded_last: None, width: None }
+    }
+
+    /// Forgets all key frames.
+    pub(super) fn clear(&mut self) {
+        self.frames.clear();
+        self.work = None;
+    }
+
+    /// Forgets the key frames after a stamp, since which an assumption may have been false. No way leads from those before it to later ones, but landmarks
+    /// and the robot's constants still relate them.
+    pub(super) fn forget_since(&mut self, since_s: f64) {
+        self.frames.forget_since(since_s);
+        self.work = None;
+    }
+
+    /// Has the latest key frame's pose bounded once its readings have arrived, after the work on poses that has begun.
+    pub(super) fn await_readings(&mut self) {
+        if !matches!(self.work, Some(Work::Poses(_))) {
+            self.work = Some(Work::Awaiting(0));
+        }
+    }
+
+    /// Has the latest pose bounded anew unless that is under way.
+    pub(super) fn begin_work(&mut self) {
+        if matches!(self.work, None | Some(Work::Landmarks(_))) {
+            self.work = Some(Work::Awaiting(0));
+        }
+    }
+
+    /// Number of the older key frame whose heading is bounded once more with the latest key frame's pose, if there is one.
+    fn older_number(&self) -> Option<usize> {
+        self.frames.number_before_latest(SMOOTHED).filter(|number| number.is_multiple_of(SMOOTHED_EVERY))
+    }
+
+    /// The poses whose bounds are wanted: the latest key frame's, and the heading of an older one.
+    fn wanted_poses(&self) -> Vec<Variable> {
+        let number = self.frames.latest_number();
+        let older = self.older_number();
+        let pose = (0..3).map(|axis| Variable::Pose(number, axis));
+        pose.chain(older.map(|number| Variable::Pose(number, 2))).collect()
+    }
+
+    /// The coordinates of the landmarks of a program whose turn it is to be bounded.
+    fn wanted_landmarks(&mut self, related: &Related) -> Vec<Variable> {
+        let landmark = |variable: &Variable| match variable {
+            Variable::Landmark(landmark, _) | Variable::Point(landmark, _) => Some(*landmark),
+            _ => None,
+        };
+        let mut all: Vec<LandmarkId> = related.variables.iter().filter_map(landmark).collect();
+        all.sort_unstable();
+        all.dedup();
+        // The next ones after the landmark that was bounded last, from the first one on again.
+        let first = all.partition_point(|one| self.bounded_last.is_some_and(|last| *one <= last));
+        all.rotate_left(first);
+        let mut wanted: Vec<Variable> = Vec::new();
+        for one in all {
+            let of_it: Vec<Variable> =
+                related.variables.iter().filter(|variable| landmark(variable) == Some(one)).copied().collect();
+            if wanted.len() + of_it.len() > COORDINATES {
+                break;
+            }
+            wanted.extend(of_it);
+            self.bounded_last = Some(one);
+        }
+        wanted
+    }
+}
+
+impl Localizer {
+    /// What makes the width of the pose's bounds by the graph of key frames: for each declared bound, its part of the width at the latest key frame
+    /// whose bounds are known. `None` before the first one.
+    pub fn width_by_bound(&self) -> Option<&PoseWidth> {
+        self.graph.width.as_ref()
+    }
+
+    /// Goes on with the work on the latest key frame's program: a fixed part of it at each wheel reading.
+    pub(super) fn work_on_graph(&mut self) {
+        let Some(work) = self.graph.work.take() else { return };
+        let work = match work {
+            Work::Awaiting(n_readings) if n_readings + 1 < AWAITED => Some(Work::Awaiting(n_readings + 1)),
+            Work::Awaiting(_) => self.related().map(Box::new).map(Work::Made),
+            Work::Made(related) => Some(Work::Poses(Box::new(Hull::new(*related, self.graph.wanted_poses())))),
+            Work::Poses(mut hull) => {
+                if hull.advance() {
+                    // A key frame that was made meanwhile has its turn.
+                    let next = self.graph.frames.unlinked().map(|_| Work::Awaiting(0));
+                    self.apply(*hull).and_then(|hull| next.or_else(|| self.go_on_with_landmarks(hull)))
+                } else {
+                    Some(Work::Poses(hull))
+                }
+            }
+            Work::Landmarks(mut hull) => {
+                if hull.advance() {
+                    self.narrow_landmarks(&hull);
+                    None
+                } else {
+                    Some(Work::Landmarks(hull))
+                }
+            }
+        };
+        // What was begun meanwhile, as after a contradiction, comes first.
+        self.graph.work = self.graph.work.take().or(work);
+    }
+
+    /// The program of all key frames, with what has been read and learnt by now; `None` where a quantity of it is not bounded.
+    pub(super) fn related(&mut self) -> Option<Related> {
+        self.learn_ways();
+        self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
+        let known = self.landmarks();
+        self.graph.frames.latest().related(&known).ok()
+    }
+
+    /// The work on the landmarks whose turn it is, by the program by which poses were bounded.
+    fn go_on_with_landmarks(&mut self, hull: Hull) -> Option<Work> {
+        if !self.memories().any(|memory| memory.learns_landmarks()) {
+            return None;
+        }
+        let wanted = self.graph.wanted_landmarks(hull.related());
+        (!wanted.is_empty()).then(|| Work::Landmarks(Box::new(hull.go_on_with(wanted))))
+    }
+
+    /// Brings the bounds of landmarks back to the methods that learn them.
+    fn narrow_landmarks(&mut self, hull: &Hull) {
+        let bounds: Vec<(Variable, Interval)> = hull.wanted().zip(hull.bounds().unwrap_or_default()).collect();
+        self.memories().filter(|memory| memory.learns_landmarks()).for_each(|memory| memory.narrow(&bounds));
+    }
+
+    /// Brings the bounds of poses back to the stored pose of their key frame. Returns the program for further bounds, or `None` where it contradicts what
+    /// is known.
+    fn apply(&mut self, hull: Hull) -> Option<Hull> {
+        let bounds = hull.bounds().unwrap_or_default();
+        let &[x, y, heading, ..] = bounds.as_slice() else {
+            self.note_contradiction(Intersected::Known, Some(hull.into_related()));
+            self.begin_doubt(None);
+            return None;
+        };
+        let wanted: Vec<Variable> = hull.wanted().collect();
+        // Another key frame may have taken the place of the one that was bounded.
+        let number = wanted.first().and_then(|variable| variable.frame());
+        let Some(stamp_s) = number.and_then(|number| self.graph.frames.stamp_s(number)) else { return Some(hull) };
+        let parts = hull.width_parts();
+        if let [x_m, y_m, heading_rad, ..] = parts.as_slice() {
+            let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
+            self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
+        }
+        let narrower: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
+        self.graph.frames.narrow(&narrower);
+        let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return Some(hull) };
+        slot.related = Some(IntervalBox::from([x, y, heading]));
+        if self.replay_all(stamp_s) {
+            return None;
+        }
+        self.restart_integral();
+        self.predict();
+        Some(hull).filter(|_| !self.is_doubted())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
