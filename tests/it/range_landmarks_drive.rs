@@ -270,8 +270,8 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
         (0..40).for_each(|_| drive.step());
         let (since_s, pose) = (drive.time_s - STEP_S, drive.pose.clone());
         let knowledge = drive.method.knowledge().unwrap();
-        // For two seconds the method is taught wrongly: the robot moves on along its path, while the method is given poses and motions that say that
-        // the robot stands still.
+        // For two seconds the method is taught wrongly: the robot moves on along its path, while the method is given poses that say that the
+        // robot stands still.
         for _ in 0..20 {
             let reading = drive.reading();
             let constraint = drive.method.constrain(&reading, &Context::at_rest(&pose)).unwrap();

@@ -257,8 +257,6 @@ impl Memory for Believer {
         self.has_forgotten = true;
     }
 
-    fn clock_set_back(&mut self) {}
-
     fn on_pose_again(&self, _shown: &Shown) -> Option<OnPose> {
         self.has_forgotten.then(|| Box::new(Only(0, Interval::centred(0.5, 0.01))) as OnPose)
     }

@@ -31,7 +31,7 @@ pub struct Hull {
 impl Hull {
     /// No bounds yet of the quantities given.
     pub fn new(related: Related, wanted: Vec<Variable>) -> Hull {
-        let wanted = wanted.into_iter().filter_map(|variable| Some((variable, related.index(variable)?))).collect();
+        let wanted = of_program(&related, wanted);
         let solver = Solver::new(&related.program);
         Hull { related, solver, search: None, wanted, certified: Vec::new(), shares: Vec::new() }
     }
@@ -66,8 +66,7 @@ impl Hull {
 
     /// No bounds yet of other quantities by the same program, which need not be prepared for its solver anew.
     pub fn go_on_with(self, wanted: Vec<Variable>) -> Hull {
-        let wanted =
-            wanted.into_iter().filter_map(|variable| Some((variable, self.related.index(variable)?))).collect();
+        let wanted = of_program(&self.related, wanted);
         Hull { wanted, search: None, certified: Vec::new(), shares: Vec::new(), ..self }
     }
 
@@ -92,4 +91,9 @@ impl Hull {
         });
         bounds.collect()
     }
+}
+
+/// Those of some quantities that a program has, with the indices of their variables.
+fn of_program(related: &Related, wanted: Vec<Variable>) -> Vec<(Variable, usize)> {
+    wanted.into_iter().filter_map(|variable| Some((variable, related.index(variable)?))).collect()
 }

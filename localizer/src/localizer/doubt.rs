@@ -292,6 +292,7 @@ impl Localizer {
         // If everything known before was false, so are the heading fixes and key frames of that time, and what was learnt from them.
         if hypothesis.failed == Failed::Memory {
             self.fixes.iter_mut().for_each(HeadingFixes::forget);
+            self.earlier.forget_fixes();
             self.graph.clear();
         }
         self.doubts.ended_s = last.stamp_s;

@@ -37,8 +37,8 @@ const MOST_TURNS: usize = 8;
 pub struct PostLocalized {
     /// Number of key frames of a window.
     pub window: usize,
-    /// Stamps of key frames, in seconds, with boxes that contain the pose at that time. They begin with the first key frame after the latest doubt
-    /// about an assumption. `None` if the readings contradict each other.
+    /// Stamps of key frames, in seconds, with boxes that contain the pose at that time. None is of the seconds before a doubt about an assumption, nor
+    /// of the doubt itself. `None` if the readings contradict each other.
     pub poses: Option<Vec<(f64, PoseBox)>>,
 }
 

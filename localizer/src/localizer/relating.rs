@@ -26,6 +26,7 @@ const FAR_RAD: f64 = 0.2;
 const SLACK_S: f64 = 1e-6;
 /// Widest heading of a key frame: what is not linear in the rows grows with the square of it.
 const WIDEST_RAD: f64 = 0.3;
+
 /// A reading that relates something, for the graph.
 pub(super) struct Relating {
     /// The method that read it.

@@ -57,6 +57,11 @@ impl EarlierKnowledge {
         }
     }
 
+    /// Drops what was known of headings and of the gyroscope's errors at all times: it was false.
+    pub(super) fn forget_fixes(&mut self) {
+        self.kept.iter_mut().for_each(|known| known.fixes = None);
+    }
+
     /// What was known at the latest time that is not after the given one, or at the earliest of all; what was known later is dropped.
     fn since(&mut self, since_s: f64) -> Option<&Known> {
         let n_before = self.kept.partition_point(|known| known.at_s <= since_s);
@@ -96,8 +101,15 @@ impl Localizer {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
+    use interval::{Interval, contractor::Outcome};
+
     use super::*;
+    use crate::{
+        Map, PoseBox, RobotModel,
+        graph::trial::{gyro, robot},
+    };
 
     fn kept_s(earlier: &EarlierKnowledge) -> Vec<f64> {
         earlier.kept.iter().map(|known| known.at_s).collect()
@@ -130,5 +142,32 @@ mod tests {
         assert_eq!(earlier.since(3.5).map(|known| known.at_s), Some(3.0));
         assert_eq!(kept_s(&earlier), [0.0, 1.0, 2.0, 3.0]);
         assert_eq!(earlier.since(-10.0).map(|known| known.at_s), Some(0.0));
+    }
+
+    #[test]
+    fn the_gyroscopes_errors_go_back_with_all_else_and_not_to_what_was_found_false() {
+        let robot = RobotModel { gyro: Some(gyro(true)), ..robot() };
+        let map = Map::of_room([Interval::new(-5.0, 5.0); 2]);
+        let mut localizer =
+            Localizer::new(map, robot, Vec::new(), PoseBox::from([Interval::ZERO; 3])).learning_gyro(None);
+        let bias = |localizer: &Localizer| localizer.fixes.as_ref().unwrap().bias_over(1.0, localizer.now_s);
+        // The robot stands, and its heading is known better after each ten seconds.
+        let mut known = vec![bias(&localizer)];
+        for step in 1..=3000_u32 {
+            localizer.fixes.as_mut().unwrap().read(0.01 * f64::from(step), 0.0);
+            if step.is_multiple_of(1000) {
+                localizer.now_s = 0.01 * f64::from(step);
+                let heading = Interval::centred(0.0, 0.001);
+                assert_eq!(localizer.fixes.as_mut().unwrap().learn(localizer.now_s, heading), Outcome::Feasible);
+                known.push(bias(&localizer));
+                localizer.keep_knowledge();
+            }
+        }
+        assert!(known.windows(2).all(|pair| pair[1].width() < pair[0].width()), "{known:?}");
+        localizer.go_back(20.0);
+        assert_eq!(bias(&localizer), known[2]);
+        localizer.earlier.forget_fixes();
+        localizer.go_back(10.0);
+        assert_eq!(bias(&localizer), known[0]);
     }
 }

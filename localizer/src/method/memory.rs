@@ -30,7 +30,7 @@ pub trait Memory {
     fn go_back(&mut self, _known: &Knowledge) {}
 
     /// Notes that a new drive begins, with the clock set back to 0. What was learnt before is kept.
-    fn clock_set_back(&mut self);
+    fn clock_set_back(&mut self) {}
 
     /// Learns what outlasts one reading, such as the positions of landmarks. `_shown` is what the reading showed, as its constraint says, and
     /// `_posterior` encloses the pose at its stamp, with the constraint applied; it is `None` while an assumption is doubted, when nothing is to be learnt

@@ -192,8 +192,6 @@ impl Memory for MappedLandmarks {
         }
     }
 
-    fn clock_set_back(&mut self) {}
-
     fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
         let (Some(seen), Some(posterior)) = (shown.downcast_ref::<Vec<SeenPoint>>(), posterior) else { return };
         // The pose that the image shows.

@@ -37,7 +37,7 @@ use crate::{
     PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
     graph::Variable,
-    method::{self, Claim, Constraint, Context, Knowledge, Memory, Method, OnPose},
+    method::{Claim, Constraint, Context, Knowledge, Memory, Method, OnPose, Shown},
     quota::Quota,
     reading::LandmarkId,
 };
@@ -83,7 +83,7 @@ pub struct RangeLandmarks {
 }
 
 /// What one reading showed.
-struct Shown {
+struct Shows {
     stamp_s: f64,
     arrived_s: f64,
     seen: Vec<Seen>,
@@ -176,7 +176,7 @@ impl Method for RangeLandmarks {
             quota: Quota::of_each(self.q_items),
             decides,
             relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings, codes.clone())) as _),
-            shown: Some(Arc::new(Shown { stamp_s, arrived_s, seen, codes })),
+            shown: Some(Arc::new(Shows { stamp_s, arrived_s, seen, codes })),
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
@@ -191,8 +191,8 @@ impl Method for RangeLandmarks {
 }
 
 impl Memory for RangeLandmarks {
-    fn learn(&mut self, shown: &method::Shown, posterior: Option<&PoseUnion>) {
-        let Some(Shown { stamp_s, arrived_s, seen, codes }) = shown.downcast_ref() else { return };
+    fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
+        let Some(Shows { stamp_s, arrived_s, seen, codes }) = shown.downcast_ref() else { return };
         let learnt = |posterior: &PoseUnion| Learnt {
             posterior: posterior.clone(),
             seen: seen.clone(),
@@ -228,8 +228,8 @@ impl Memory for RangeLandmarks {
         }
     }
 
-    fn on_pose_again(&self, shown: &method::Shown) -> Option<OnPose> {
-        let Shown { seen, .. } = shown.downcast_ref()?;
+    fn on_pose_again(&self, shown: &Shown) -> Option<OnPose> {
+        let Shows { seen, .. } = shown.downcast_ref()?;
         Some(Box::new(PoseFromLandmarks::new(self.pairs(seen), self.q_items, self.freedom, self.solver)))
     }
 

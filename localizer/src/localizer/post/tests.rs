@@ -89,8 +89,6 @@ impl Method for Keeper {
 }
 
 impl Memory for Keeper {
-    fn clock_set_back(&mut self) {}
-
     fn keeps_drive(&self) -> bool {
         true
     }
@@ -186,8 +184,6 @@ impl Method for Learner {
 }
 
 impl Memory for Learner {
-    fn clock_set_back(&mut self) {}
-
     fn keeps_drive(&self) -> bool {
         true
     }

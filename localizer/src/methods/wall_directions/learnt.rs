@@ -54,8 +54,6 @@ impl Memory for WallDirections {
         }
         are_too_many
     }
-
-    fn clock_set_back(&mut self) {}
 }
 
 /// The one direction on which all given intervals of directions agree up to quarter turns; `None` where they give several directions and it is not
