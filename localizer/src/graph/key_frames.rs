@@ -19,10 +19,12 @@ use super::{
     link::{Link, Read},
 };
 
-/// Greatest number of key frames that are kept. With one every two seconds these are the last 200 seconds; older ones are farther apart.
+/// Greatest number of key frames that are kept. With one a second these are the last 100 seconds; older ones are farther apart.
 const MOST: usize = 100;
 /// Greatest time from a key frame to the next one, if there are readings: the latest key frame is replaced by the next until that would be exceeded.
-const APART_S: f64 = 2.3;
+const APART_S: f64 = 1.1;
+/// The same for a key frame whose readings show nothing but the map, whose rows tell little more than the box of the pose.
+const APART_ON_MAP_S: f64 = 2.3;
 
 /// Box of a landmark's world x and y.
 pub type Place = [Interval; 2];
@@ -187,8 +189,12 @@ impl KeyFrames {
     /// Adds a key frame with a later stamp than all others. `pose` encloses the pose at its stamp. The way to it is not known yet. It takes the place of
     /// the latest one where the key frame before that is near, and where one of these two has a reading of each source that the latest one has.
     pub fn push(&mut self, stamp_s: f64, pose: PoseBox, reading: Option<FrameReading>) {
+        let apart_s = match self.frames.back() {
+            Some(latest) if !latest.readings.iter().all(|one| one.relations.is_of_the_map()) => APART_S,
+            _ => APART_ON_MAP_S,
+        };
         let is_near =
-            !self.keeps_all && self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= APART_S);
+            !self.keeps_all && self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= apart_s);
         if let (true, Some(before), Some(latest)) = (is_near, self.frames.iter().nth_back(1), self.frames.back()) {
             let is_read = |source| before.has(source) || reading.as_ref().is_some_and(|new| new.source == source);
             if latest.readings.iter().all(|one| is_read(one.source)) {

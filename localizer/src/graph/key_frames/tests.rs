@@ -20,9 +20,9 @@ fn a_key_frame_gives_way_only_to_one_that_shows_as_much() {
         }
         frames.frames.iter().map(|frame| frame.stamp_s).collect::<Vec<_>>()
     };
-    assert_eq!(stamps_of(&[(0.0, "a"), (1.0, "a"), (2.0, "a"), (3.0, "a")]), [0.0, 2.0, 3.0]);
+    assert_eq!(stamps_of(&[(0.0, "a"), (0.5, "a"), (1.0, "a"), (1.5, "a")]), [0.0, 1.0, 1.5]);
     // The reading of `b` in the second key frame is the only one near.
-    assert_eq!(stamps_of(&[(0.0, "a"), (0.3, "b"), (1.0, "a"), (1.3, "b")]), [0.0, 0.3, 1.0, 1.3]);
+    assert_eq!(stamps_of(&[(0.0, "a"), (0.2, "b"), (0.5, "a"), (0.7, "b")]), [0.0, 0.2, 0.5, 0.7]);
     assert_eq!(stamps_of(&[(0.0, "a"), (1.0, ""), (1.1, "a"), (2.7, "")]), [0.0, 1.1, 2.7]);
     assert_eq!(stamps_of(&[(0.0, ""), (1.0, "a"), (2.0, "")]), [0.0, 1.0, 2.0]);
 }
