@@ -19,11 +19,12 @@ use super::{
     link::{Link, Read},
 };
 
-/// Greatest number of key frames that are kept. With one a second these are the last 100 seconds; older ones are farther apart.
+/// Greatest number of key frames that are kept: with one a second those of 100 seconds, with one every two seconds on the map those of 200. In longer
+/// drives the older ones are farther apart.
 const MOST: usize = 100;
 /// Greatest time from a key frame to the next one, if there are readings: the latest key frame is replaced by the next until that would be exceeded.
 const APART_S: f64 = 1.1;
-/// The same for a key frame whose readings show nothing but the map, whose rows tell little more than the box of the pose.
+/// The same for a key frame that has no reading, or whose readings show nothing but the map: their rows tell little more than the box of the pose.
 const APART_ON_MAP_S: f64 = 2.3;
 
 /// Box of a landmark's world x and y.
