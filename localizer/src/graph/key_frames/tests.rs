@@ -28,6 +28,56 @@ fn a_key_frame_gives_way_only_to_one_that_shows_as_much() {
 }
 
 #[test]
+fn a_key_frame_that_shows_the_map_alone_gives_way_for_two_seconds() {
+    let stamps_of = |stamps_s: &[f64], is_of_the_map: bool| {
+        let mut frames = KeyFrames::new(&robot());
+        for &stamp_s in stamps_s {
+            let relations: Arc<dyn Relations> =
+                if is_of_the_map { Arc::new(OfTheMap(Displaced([0.0; 3]))) } else { Arc::new(Displaced([0.0; 3])) };
+            let pose = IntervalBox::from([Interval::centred(0.0, 0.1); 3]);
+            frames.push(stamp_s, pose, Some(FrameReading::new("a", relations, OFF)));
+        }
+        frames.frames.iter().map(|frame| frame.stamp_s).collect::<Vec<_>>()
+    };
+    let seconds = [0.0, 1.0, 2.0, 3.0, 4.0];
+    assert_eq!(stamps_of(&seconds, false), seconds);
+    assert_eq!(stamps_of(&seconds, true), [0.0, 2.0, 4.0]);
+}
+
+/// A reading that shows things of the map.
+struct OfTheMap(Displaced);
+
+impl Relations for OfTheMap {
+    fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        self.0.quantities(frame, pose)
+    }
+
+    fn is_of_the_map(&self) -> bool {
+        true
+    }
+
+    fn stamp_error_s(&self) -> f64 {
+        self.0.stamp_error_s()
+    }
+
+    fn stamp_bound(&self) -> Assumption {
+        self.0.stamp_bound()
+    }
+
+    fn shift_m(&self, stray: &Stray) -> f64 {
+        self.0.shift_m(stray)
+    }
+
+    fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
+        self.0.shift_parts(stray)
+    }
+
+    fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
+        self.0.rows(frame, domain)
+    }
+}
+
+#[test]
 fn what_is_forgotten_takes_back_what_it_told_of_the_poses_before_it() {
     let mut frames = KeyFrames::new(&robot());
     let pose = IntervalBox::from([Interval::centred(0.0, 0.1); 3]);
