@@ -115,12 +115,19 @@ impl Localizer {
         (way, self.wheels.flow_way(from_s, to_s, heading, wheels, reach))
     }
 
-    /// How far the robot can have gone within the error of a stamp.
+    /// How far the robot can have gone within the error of a stamp: by its limits of motion, by the gyroscope, and by the wheels where they are
+    /// believed.
     fn stray_at(&self, stamp_s: f64, error_s: f64) -> Stray {
-        let mut stray = Stray::by_reach(error_s, &self.robot.reach);
-        if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, &self.robot.wheels, &self.robot.reach)
-        {
+        let (wheels, reach) = (&self.robot.wheels, &self.robot.reach);
+        let mut stray = Stray::by_reach(error_s, reach);
+        if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, wheels, reach) {
             stray.radians = stray.radians.min(turn_rad);
+        }
+        let around_s = [stamp_s - error_s, stamp_s + error_s];
+        let is_believed = around_s[0] >= self.doubts.ended_s && !self.slip.covers(around_s);
+        let travel_m = || self.wheels.greatest_travel_about(stamp_s, error_s, wheels, reach);
+        if let Some(travel_m) = is_believed.then(travel_m).flatten() {
+            stray.metres = stray.metres.min(travel_m);
         }
         stray
     }

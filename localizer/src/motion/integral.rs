@@ -223,7 +223,7 @@ impl WheelIntegral {
 
 impl WheelModel {
     /// Number of time windows, of the length for which the slip bounds are declared, that a span of time begins.
-    fn windows(&self, span_s: f64) -> f64 {
+    pub(super) fn windows(&self, span_s: f64) -> f64 {
         // The quotient of time and window length is lowered by 10⁻⁶, so that a time of 0.2 s, which is inexact in binary, is one window of 0.2 s,
         // not two.
         (span_s / self.slip_window_s - 1e-6).ceil().max(1.0)

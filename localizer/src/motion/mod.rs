@@ -4,6 +4,7 @@
 //! the robot's speed and acceleration limits (reach). A gyroscope, and a car's steering encoder, bound the turn besides. Over any span of time the
 //! quantisation of the wheel encoders counts once, because a wheel's count is a difference of two latched totals.
 
+mod about;
 mod flow;
 mod flow_history;
 mod flow_way;
@@ -158,17 +159,6 @@ impl WheelHistory {
     /// of it yet.
     pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
-    }
-
-    /// Greatest turn of the robot, by the gyroscope, between a stamp and any instant that is at most `within_s` away from it; `None` without a
-    /// gyroscope.
-    ///
-    /// With the change of the turn rate bounded by α, the heading between two instants a time T apart departs from the chord by at most α·T²/8.
-    pub fn greatest_turn_about(&self, stamp_s: f64, within_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<f64> {
-        let before = self.gyro_turn(stamp_s - within_s, stamp_s, wheels, reach)?;
-        let after = self.gyro_turn(stamp_s, stamp_s + within_s, wheels, reach)?;
-        let bend_rad = greatest_change_rad_per_s2(wheels, reach) * within_s * within_s / 8.0;
-        Some((before.magnitude().max(after.magnitude()) + bend_rad) * (1.0 + 1e-12))
     }
 
     fn turns_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<TurnsFrom<'_>> {
