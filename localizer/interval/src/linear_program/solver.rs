@@ -22,7 +22,8 @@ use super::{
 
 /// Greatest number of steps; about 12 are usual.
 const MOST_STEPS: usize = 40;
-/// Gap between the values of the primal and the dual problem at which the solver stops, in half widths of the cost's largest term.
+/// Gap between the values of the primal and the dual problem at which the solver stops unless asked otherwise, in half widths of the cost's largest
+/// term.
 const GAP: f64 = 1e-5;
 /// Share of the way to the nearest bound that a step goes at most.
 const SHARE: f64 = 0.995;
@@ -40,6 +41,7 @@ pub struct Solver {
     /// Places of the diagonal in the factor's matrix.
     diagonal: Vec<usize>,
     most_steps: usize,
+    gap: f64,
 }
 
 /// Rows that are not satisfied everywhere in the box, scaled. Their terms stand one after the other, as every step of the solver reads all of them
@@ -90,12 +92,18 @@ impl Solver {
             }
         }
         let diagonal = (0..scales.len()).map(|at| factor.position(at, at, 0)).collect();
-        Solver { scales, rows, n_rows: program.n_rows(), factor, diagonal, most_steps: MOST_STEPS }
+        Solver { scales, rows, n_rows: program.n_rows(), factor, diagonal, most_steps: MOST_STEPS, gap: GAP }
     }
 
     /// The same solver, stopped after the given number of steps.
     pub fn stopped_after(self, most_steps: usize) -> Solver {
         Solver { most_steps, ..self }
+    }
+
+    /// The same solver, stopped once the values of the primal and the dual problem differ by at most the given number of half widths of the cost's
+    /// largest term.
+    pub fn stopped_within(self, gap: f64) -> Solver {
+        Solver { gap, ..self }
     }
 
     /// Duals of the program that minimises a cost, one for each row; for [`certified_minimum`](super::certified_minimum). Where no point satisfies
@@ -339,7 +347,7 @@ impl State {
         let value: f64 = self.cost.iter().zip(&self.x).map(|(cost, x)| cost * x.value).sum();
         // A bound above all values of the cost certifies that there is no solution.
         let most: f64 = self.cost.iter().map(|cost| cost.abs()).sum();
-        (value - self.best.0 < GAP && self.residual(solver) < GAP) || self.best.0 > most + 1.0
+        (value - self.best.0 < solver.gap && self.residual(solver) < solver.gap) || self.best.0 > most + 1.0
     }
 
     /// Greatest difference between a slack and its row's value.
