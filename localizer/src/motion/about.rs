@@ -134,7 +134,7 @@ mod tests {
     fn side_slip_and_the_turn_meanwhile_count_and_readings_must_surround_the_stamp() {
         let history = Straight { speed_m_per_s: [0.2, 0.0], metres_per_tick: 1e-4, slip_ratio: 0.0 }.history(0.01, 0.0);
         let wheels =
-            WheelModel { radius_m: [Interval::point(0.05); 2], ticks_per_turn: 3141.592_653_589_793, ..wheels() };
+            WheelModel { radius_m: [Interval::point(0.05); 2], ticks_per_turn: 3_141.592_653_589_793, ..wheels() };
         let ahead_m = |wheels: &WheelModel| history.greatest_travel_about(0.003, 0.0005, wheels, &reach()).unwrap();
         let straight_m = ahead_m(&WheelModel { side_slip_ratio: 0.0, side_slip_floor_m: 0.0, ..wheels.clone() });
         // By hand, over readings 10, 30, … 210 ms apart: a tick, 2 % and 0.2 mm, for example over 30 ms 6 mm and 0.1 + 0.122 + 0.2 mm, and 1.53 m/s²
