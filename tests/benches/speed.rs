@@ -154,7 +154,7 @@ impl Subject for Timed {
     }
 }
 
-/// Measures the steps of the localizer, each 10 ms of the drive, on paper 3's loop: with up to 100 key frames and 36 landmarks.
+/// Measures the steps of the localizer, each 10 ms of the drive, on paper 3's loop: with some 50 key frames and 36 landmarks.
 fn steps() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let scene = Scene::load(&root.join("scenes/papers/rigid_transform_loop.toml")).unwrap();

@@ -27,6 +27,9 @@ pub enum Variable {
     BodyTilt(usize, usize),
     /// Coordinate of a landmark in the world: x (0) or y (1).
     Landmark(LandmarkId, usize),
+    /// What the tilt of the range camera's mount displaces a landmark by in the robot frame: forward (0) or left (1). It is the landmark's height above
+    /// the camera times the tilt, and so the same whenever the landmark is seen.
+    TiltedLandmark(LandmarkId, usize),
     /// Coordinate of a landmark in space as seen from its anchor, in homogeneous form: the two slopes of its ray (0 and 1) and its inverse depth (2).
     Point(LandmarkId, usize),
     /// Coordinate of the pose from which a picture of the drive that taught a map was taken, given by the picture's place among those of the map: x (0),
@@ -141,6 +144,7 @@ impl Variable {
             Variable::GyroBias(_) => Some(bounds::GYRO_BIAS),
             Variable::GyroAngle(_) => Some(bounds::GYRO_ANGLE),
             Variable::BodyTilt(..) => Some(bounds::BODY_TILT),
+            Variable::TiltedLandmark(..) => Some(bounds::RANGE_CAMERA_TILT),
             Variable::Marker(..) => Some(bounds::MARKERS_PLACEMENT),
             Variable::MarkerHeight(_) => Some(bounds::MARKERS_HEIGHT),
             Variable::JointEnd(..) => Some(bounds::FLOOR_TILES_LAYING),

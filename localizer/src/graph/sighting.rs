@@ -2,7 +2,8 @@
 //!
 //! Let P and θ be the robot's position and heading at the exposure, L the landmark, a the place of the camera's first view in the robot frame, φ = θ +
 //! yaw the direction of its optical axis, e = (cos φ, sin φ) and r the unit vector to the right of e. With D = L − P − R(θ)·a, the landmark is X =
-//! r·D to the right and Z = e·D ahead, but for what tilts move it, at most a known distance (`blur`).
+//! r·D to the right and Z = e·D ahead, but for what tilts move it. The tilt of the camera's mount moves it in the robot frame by a vector t that is
+//! the same whenever this landmark is seen, so that D = L − P − R(θ)·(a − t); all other tilts together move it by at most a known distance (`blur`).
 //!
 //! The sighting says f·X = u·Z and f·(X − b) = w·Z, with columns u and w counted from the optical axis. For a measured column ū the vectors
 //! n = (f₀ r − ū e)/N and m = (ū r + f₀ e)/N, N = √(f₀² + ū²), are across the ray and along it. For φ = φ₀ + δ, with n₀ = n at φ₀,
@@ -10,8 +11,8 @@
 //! n₀·D = (n·D) cos δ − (m·D) sin δ,   e₀·D = (e·D) cos δ + (r·D) sin δ,
 //!
 //! both exact. N·(n·D) = (u − ū)·Z − (f − f₀)·X is small, and m·D follows from the disparity u − w, Z = f·b/(u − w). So both rows are linear in D and
-//! in δ but for (m·D) sin δ − ℓ₀ δ and the like, in which only the sighting's own depth occurs. D is linear in L, P and a but for the lever arm,
-//! R(θ)·a = R(θ₀)·a₀ + R(θ₀)·(a − a₀) + δθ·J·R(θ₀)·a₀ ± (|a| δθ²/2 + |a − a₀|·|δθ|).
+//! in δ but for (m·D) sin δ − ℓ₀ δ and the like, in which only the sighting's own depth occurs. D is linear in L, P, a and t but for the lever arm,
+//! R(θ)·a = R(θ₀)·a₀ + R(θ₀)·(a − a₀) + δθ·J·R(θ₀)·a₀ ± (|a| δθ²/2 + |a − a₀|·|δθ|), and R(θ)·t = R(θ₀)·t ± |t|·|δθ|.
 
 use interval::Interval;
 
@@ -23,7 +24,8 @@ use super::{
 };
 
 /// The rows of a sighting at key frame number `frame`: across the ray of the first view, across that of the second, and in depth. None where the
-/// disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame.
+/// disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame, beside what the domain has as a quantity
+/// of the landmark ([`Variable::TiltedLandmark`]).
 pub fn sighting_rows(
     camera: &RangeCameraModel,
     blur_m: f64,
@@ -109,30 +111,37 @@ impl<'a> Sight<'a> {
         Some(sight)
     }
 
-    /// Sets D = L − P − R(θ)·a and how it changes with each quantity.
+    /// Sets D = L − P − R(θ)·(a − t) and how it changes with each quantity.
     fn place(&mut self, sighting: &Sighting, frame: usize, heading_0: Interval) {
         let domain = self.domain;
         let unit = [[Interval::point(1.0), Interval::ZERO], [Interval::ZERO, Interval::point(1.0)]];
-        let position = [0, 1].map(|axis| Variable::Constant(Constant::RangePosition(axis)));
-        let lever_0 = position.map(|axis| Interval::point(domain.reference(axis)));
+        let reference = |variables: [Variable; 2]| variables.map(|one| Interval::point(domain.reference(one)));
+        let length = |vector: [Interval; 2]| vector[0].hypot(vector[1]).hi();
         let body = axes(heading_0);
-        let turned = [0, 1].map(|axis| body[0][axis] * lever_0[0] + body[1][axis] * lever_0[1]);
+        let turned = |vector: [Interval; 2]| [0, 1].map(|axis| body[0][axis] * vector[0] + body[1][axis] * vector[1]);
+        let position = [0, 1].map(|axis| Variable::Constant(Constant::RangePosition(axis)));
+        let lever_0 = turned(reference(position));
         for axis in 0..2 {
             let (landmark, pose) = (Variable::Landmark(sighting.landmark, axis), Variable::Pose(frame, axis));
             self.parts.push((landmark, unit[axis]));
             self.parts.push((pose, unit[axis].map(|side| -side)));
             self.parts.push((position[axis], body[axis].map(|side| -side)));
             self.at_reference[axis] =
-                Interval::point(domain.reference(landmark)) - domain.reference(pose) - turned[axis];
+                Interval::point(domain.reference(landmark)) - domain.reference(pose) - lever_0[axis];
         }
-        self.parts.push((self.heading, [turned[1], -turned[0]]));
-        let length = |vector: [Interval; 2]| vector[0].hypot(vector[1]).hi();
-        let turn = domain.deviation(self.heading).magnitude();
+        self.parts.push((self.heading, [lever_0[1], -lever_0[0]]));
+        let turn = Interval::point(domain.deviation(self.heading).magnitude());
         let lever_m = length(position.map(|axis| domain.value(axis)));
         let off_m = length(position.map(|axis| domain.deviation(axis)));
-        let turn = Interval::point(turn);
-        let bent_m = (turn * turn * lever_m / 2.0 + turn * off_m).hi();
-        self.at_reference.iter_mut().for_each(|side| *side += Interval::centred(0.0, bent_m));
+        let mut bent_m = turn * turn * lever_m / 2.0 + turn * off_m;
+        let tilted = [0, 1].map(|axis| Variable::TiltedLandmark(sighting.landmark, axis));
+        if tilted.iter().all(|&side| !domain.value(side).is_empty()) {
+            self.parts.extend(tilted.into_iter().zip(body));
+            let tilted_0 = turned(reference(tilted));
+            (0..2).for_each(|axis| self.at_reference[axis] += tilted_0[axis]);
+            bent_m += turn * length(tilted.map(|side| domain.value(side)));
+        }
+        self.at_reference.iter_mut().for_each(|side| *side += Interval::centred(0.0, bent_m.hi()));
     }
 
     /// The row that a unit vector's product with D gives: n₀·D + Σ other terms ∈ `sides`.
@@ -243,6 +252,9 @@ mod tests {
             let yaw = put(constant(Constant::RangeYaw), draw.between(-0.5, 0.5), 0.02, &mut draw);
             let focal = put(constant(Constant::RangeFocal), 400.0, 8.0, &mut draw);
             let baseline = put(constant(Constant::RangeBaseline), 0.12, 0.006, &mut draw);
+            let most_tilted_m = draw.size(1e-5, 0.03);
+            let tilted =
+                [0, 1].map(|axis| put(Variable::TiltedLandmark(landmark, axis), 0.0, most_tilted_m, &mut draw));
 
             // The true place of the landmark by the columns, turned and moved into the world.
             let (ahead_m, right_m) = (draw.between(0.4, 6.0), draw.between(-0.8, 0.8));
@@ -251,11 +263,12 @@ mod tests {
             let blur_m = draw.or_zero(most_m);
             let (away, turn) = (draw.between(0.0, std::f64::consts::TAU), heading + yaw);
             let at = [
-                x + forward * heading.cos() - left * heading.sin()
+                x + (forward - tilted[0]) * heading.cos() - (left - tilted[1]) * heading.sin()
                     + ahead_m * turn.cos()
                     + right_m * turn.sin()
                     + blur_m * away.cos(),
-                y + forward * heading.sin() + left * heading.cos() + ahead_m * turn.sin() - right_m * turn.cos()
+                y + (forward - tilted[0]) * heading.sin() + (left - tilted[1]) * heading.cos() + ahead_m * turn.sin()
+                    - right_m * turn.cos()
                     + blur_m * away.sin(),
             ];
             for (axis, at) in at.into_iter().enumerate() {

@@ -18,12 +18,27 @@ impl WheelHistory {
     /// Greatest turn of the robot, by the gyroscope, between a stamp and any instant that is at most `within_s` away from it; `None` without a
     /// gyroscope.
     ///
-    /// With the change of the turn rate bounded by α, the heading between two instants a time T apart departs from the chord by at most α·T²/8.
+    /// With the change of the turn rate bounded by α, the heading between two instants a time T apart departs from the chord by at most α·T²/8. For a
+    /// short time the rate at which the robot turned around it tells more, as the constant part of the gyroscope's error counts once for any span.
     pub fn greatest_turn_about(&self, stamp_s: f64, within_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<f64> {
         let before = self.gyro_turn(stamp_s - within_s, stamp_s, wheels, reach)?;
         let after = self.gyro_turn(stamp_s, stamp_s + within_s, wheels, reach)?;
-        let bend_rad = greatest_change_rad_per_s2(wheels, reach) * within_s * within_s / 8.0;
-        Some((before.magnitude().max(after.magnitude()) + bend_rad) * ABOVE)
+        let change_rad_per_s2 = greatest_change_rad_per_s2(wheels, reach);
+        let bend_rad = change_rad_per_s2 * within_s * within_s / 8.0;
+        let directly_rad = before.magnitude().max(after.magnitude()) + bend_rad;
+        let around_s = [stamp_s - within_s, stamp_s + within_s];
+        let period_s = self.gyro.as_ref()?.period_s();
+        let by_rate_over = |aside: usize| {
+            let aside_s = aside as f64 * period_s;
+            let span_s = [around_s[0] - aside_s, around_s[1] + aside_s];
+            let turn_rad = self.gyro_turn(span_s[0], span_s[1], wheels, reach)?.magnitude();
+            Some(
+                within_s
+                    * (turn_rad / (span_s[1] - span_s[0]) + greatest_departure(around_s, span_s, change_rad_per_s2)),
+            )
+        };
+        let by_rate = (1..=MOST_ASIDE).filter_map(by_rate_over);
+        Some(by_rate.fold(directly_rad, f64::min) * ABOVE)
     }
 
     /// Greatest distance, by the wheels, between the robot's position at a stamp and that at any instant that is at most `within_s` away from it;
@@ -48,8 +63,7 @@ impl WheelHistory {
 
     /// Greatest speed of the axle's middle at any instant of a span, by the wheel readings around it.
     ///
-    /// Over readings at p and q the mean speed is known, and the speed at t departs from it by at most (a/(q − p))·∫ |t − s| ds = a·((t − p)² +
-    /// (q − t)²)/(2(q − p)), with the greatest acceleration a. The least bound over pairs of readings around the span is taken.
+    /// Over two readings the mean speed is known; the least bound over pairs of readings around the span is taken.
     fn greatest_speed_over(&self, [from_s, to_s]: [f64; 2], wheels: &WheelModel, reach: &Reach) -> Option<f64> {
         let last_before = self.samples.partition_point(|sample| sample.time_s <= from_s).checked_sub(1)?;
         let first_after = self.samples.partition_point(|sample| sample.time_s < to_s);
@@ -60,12 +74,22 @@ impl WheelHistory {
             let later = self.samples.range(first + 1..=last);
             later.for_each(|sample| integral.advance(sample, KnownTurns::default(), wheels, reach));
             let span_s = end.time_s - start.time_s;
-            let uneven_s2 = |at_s: f64| (at_s - start.time_s).powi(2) + (end.time_s - at_s).powi(2);
-            let change = reach.acceleration_m_per_s2 * uneven_s2(from_s).max(uneven_s2(to_s)) / (2.0 * span_s);
+            let known_s = [start.time_s, end.time_s];
+            let change = greatest_departure([from_s, to_s], known_s, reach.acceleration_m_per_s2);
             (span_s > 0.0).then(|| integral.travel_of_middle(wheels).magnitude() / span_s + change)
         };
         (0..MOST_ASIDE).map_while(by_readings).reduce(f64::min)
     }
+}
+
+/// Greatest departure of a rate, at any instant of a span, from its mean over a longer span around that one, where the rate changes by at most
+/// `change` in a second.
+///
+/// At the instant t the rate departs from its mean from p to q by at most (a/(q − p))·∫ |t − s| ds = a·((t − p)² + (q − t)²)/(2(q − p)), with the
+/// greatest change a.
+fn greatest_departure([from_s, to_s]: [f64; 2], [p_s, q_s]: [f64; 2], change: f64) -> f64 {
+    let uneven_s2 = |at_s: f64| (at_s - p_s).powi(2) + (q_s - at_s).powi(2);
+    change * uneven_s2(from_s).max(uneven_s2(to_s)) / (2.0 * (q_s - p_s))
 }
 
 #[cfg(test)]
@@ -74,7 +98,7 @@ mod tests {
     use interval::Interval;
 
     use super::*;
-    use crate::graph::trial::{Draw, reach, rounds, wheels};
+    use crate::graph::trial::{Draw, gyro, reach, rounds, wheels};
 
     /// Wheel readings of a robot that drives straight ahead, with its speed greatest or least at the instant 0.
     struct Straight {
@@ -128,6 +152,55 @@ mod tests {
         }
         // The bound is no idle one: what it takes for possible comes close to happening.
         assert!(nearest > 0.95, "{nearest}");
+    }
+
+    #[test]
+    fn no_true_turn_is_greater_whatever_the_course_of_the_turn_rate() {
+        let mut draw = Draw::new(20_261_129);
+        let (wheels, reach) = (wheels(), reach());
+        let most_change = greatest_change_rad_per_s2(&wheels, &reach);
+        let mut nearest = 0.0_f64;
+        for round in 0..rounds(2000) {
+            let model = gyro(draw.unit() < 0.5);
+            let (rate, change) = (draw.between(-2.0, 2.0), draw.within(Interval::centred(0.0, most_change)));
+            let turned_rad = |at_s: f64| rate * at_s + 0.5 * change * at_s * at_s.abs();
+            let (bias, scale) = (draw.within(model.bias_rad_per_s), draw.within(model.scale));
+            let mut history = WheelHistory::new(60.0).with_gyro(model);
+            let phase_s = draw.between(0.0, model.period_s);
+            // The error of the angle wanders within its constant part, by no more than the noise in each reading.
+            let mut error_rad = 0.0_f64;
+            for step in -20..=20_i32 {
+                let [from_s, to_s] = [step - 1, step].map(|step| phase_s + model.period_s * f64::from(step));
+                let noise = draw.within(Interval::centred(0.0, model.noise_rad_per_s * model.period_s));
+                let half_rad = 0.5 * model.angle_floor_rad;
+                let next_rad = (error_rad + noise).clamp(-half_rad, half_rad);
+                let sum_rad =
+                    scale * (turned_rad(to_s) - turned_rad(from_s)) + bias * model.period_s + next_rad - error_rad;
+                error_rad = next_rad;
+                history.push_rate(to_s, sum_rad / model.period_s);
+            }
+            let within_s = draw.size(1e-4, 0.05);
+            let stamp_s = draw.between(-0.05, 0.05);
+            let greatest_rad = history.greatest_turn_about(stamp_s, within_s, &wheels, &reach).unwrap();
+            let turn_rad = |at_s: f64| (turned_rad(at_s) - turned_rad(stamp_s)).abs();
+            let truly_rad = turn_rad(stamp_s - within_s).max(turn_rad(stamp_s + within_s));
+            assert!(truly_rad <= greatest_rad, "round {round}: {truly_rad} of {greatest_rad}");
+            nearest = nearest.max(truly_rad / greatest_rad);
+        }
+        assert!(nearest > 0.95, "{nearest}");
+    }
+
+    #[test]
+    fn for_a_short_time_the_constant_part_of_the_angle_error_is_shared_out() {
+        let (wheels, reach) = (wheels(), reach());
+        let mut history = WheelHistory::new(60.0).with_gyro(gyro(true));
+        (-20..=20_i32).for_each(|step| {
+            history.push_rate(0.01 * f64::from(step), 0.001);
+        });
+        // The robot goes straight ahead. 0.4 mrad may be the error of any span; over 20 ms it is one of 20 mrad/s, and the rate changes by some 9.3
+        // rad/s² over 5 ms on average.
+        let turn_rad = history.greatest_turn_about(0.0, 0.0005, &wheels, &reach).unwrap();
+        assert!((0.0005 * 0.05..0.0005 * 0.13).contains(&turn_rad), "{turn_rad}");
     }
 
     #[test]

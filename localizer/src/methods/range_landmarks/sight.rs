@@ -13,6 +13,12 @@
 //! them the heading is that of the forward axis, hence τ² instead of τ²/2, with τ = body tilt + mount tilt. The mount itself stands at a
 //! height z and a distance a from the origin, about which the body tilts; this adds z sin τ + a τ² likewise.
 //!
+//! For the graph the tilt of the mount is told from that of the body. Let ẑ be the vertical, β ≤ τ_b the angle by which the body tilts it, M the mount's
+//! tilt by τ_m at most, and h the landmark's height above the sensor at rest. A body that tilts and heaves raises the sensor by at most ε = heave + a
+//! sin τ_b + z (1 − cos τ_b). With n horizontal, the sensor sees the height (h ± ε)·ẑ as (h ± ε)·M⁻¹(ẑ cos β + n sin β). The horizontal part of
+//! h·M⁻¹ẑ is the same whenever the landmark is seen and no longer than H sin τ_m; what is left is at most ε sin τ_m + (H + ε)·(sin τ_b + (1 − cos τ_b)
+//! sin τ_m).
+//!
 //! **Stamp.** Between the true instant and the stamped one the robot moves by at most v·e and turns by at most ω·e: a landmark at q of the
 //! robot frame moves there by at most (v + ω|q|)·e. The box is inflated, and not the pose, because the same box is claimed, contracts the
 //! pose at the stamp, and is used to learn the landmark.
@@ -24,7 +30,7 @@ use interval::Interval;
 use crate::{
     PoseBox, RobotModel,
     bounds::{self, Assumption},
-    graph::{Domain, Relations, Row, Stray, Variable, sighting_rows},
+    graph::{Disc, Domain, Relations, Row, Stray, Variable, sighting_rows},
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
 };
@@ -115,15 +121,38 @@ impl Sensor {
 
     /// Greatest distance by which tilts move a landmark in the robot frame beside what they displace all landmarks in common.
     fn tilt_displacement(&self, in_view: [Interval; 2]) -> Option<f64> {
-        let (camera, body) = (&self.camera, &self.body);
-        let tilt_rad = body.tilt_rad + camera.tilt_rad;
+        let tilt_rad = self.body.tilt_rad + self.camera.tilt_rad;
+        let raised_m = self.camera.height_span_m * tilt_rad.sin();
+        Some((raised_m + self.foreshortening(in_view)?) * ABOVE)
+    }
+
+    /// Greatest distance by which tilts move what is at the sensor's own height, beside what they displace all landmarks in common: r τ².
+    fn foreshortening(&self, in_view: [Interval; 2]) -> Option<f64> {
+        let tilt_rad = self.body.tilt_rad + self.camera.tilt_rad;
         if tilt_rad > MOST_TILT_RAD {
             return None;
         }
-        let raised_m = camera.height_span_m * tilt_rad.sin();
         // The measured length is that of the tilted vector: r ≤ r′ + H sin τ + r τ².
+        let raised_m = self.camera.height_span_m * tilt_rad.sin();
         let range_m = (length(in_view) + raised_m) / (1.0 - tilt_rad * tilt_rad);
-        Some((raised_m + range_m * tilt_rad * tilt_rad) * ABOVE)
+        Some(range_m * tilt_rad * tilt_rad * ABOVE)
+    }
+
+    /// Greatest distance by which the tilt of the mount alone moves a landmark in the robot frame, in the same way whenever it is seen.
+    fn mount_displacement_m(&self) -> f64 {
+        self.camera.height_span_m * self.camera.tilt_rad.sin() * ABOVE
+    }
+
+    /// Greatest distances by which tilts move a landmark in the robot frame beside what they displace all landmarks in common and beside what the tilt of
+    /// the mount alone does: by the heights of landmark and sensor, and by foreshortening.
+    fn blur_m(&self, in_view: [Interval; 2]) -> Option<[f64; 2]> {
+        let (camera, body) = (&self.camera, &self.body);
+        let foreshortened_m = self.foreshortening(in_view)?;
+        let (sine, cosine) = body.tilt_rad.sin_cos();
+        let rises_m = body.heave_m + length(camera.position_m) * sine + camera.height_m * (1.0 - cosine);
+        let mount = camera.tilt_rad.sin();
+        let by_height_m = rises_m * mount + (camera.height_span_m + rises_m) * (sine + (1.0 - cosine) * mount);
+        Some([by_height_m * ABOVE, foreshortened_m])
     }
 }
 
@@ -172,11 +201,19 @@ impl Sightings {
 
 impl Relations for Sightings {
     fn quantities(&self, _frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
+        let tilted = Interval::centred(0.0, self.sensor.mount_displacement_m());
         let of_landmark = |sighted: &Sighted| {
-            let place = sighted.seen.in_world(pose);
-            [0, 1].map(|axis| (Variable::Landmark(sighted.seen.landmark, axis), place[axis]))
+            let (landmark, place) = (sighted.seen.landmark, sighted.seen.in_world(pose));
+            let at = |axis: usize| (Variable::Landmark(landmark, axis), place[axis]);
+            let by_tilt = |axis: usize| (Variable::TiltedLandmark(landmark, axis), tilted);
+            [at(0), at(1), by_tilt(0), by_tilt(1)]
         };
         self.right().flat_map(of_landmark).collect()
+    }
+
+    fn discs(&self, _frame: usize) -> Vec<Disc> {
+        let pair = |sighted: &Sighted| [0, 1].map(|axis| Variable::TiltedLandmark(sighted.seen.landmark, axis));
+        self.right().map(|sighted| (pair(sighted), self.sensor.mount_displacement_m())).collect()
     }
 
     fn is_worth_a_key_frame(&self) -> bool {
@@ -209,13 +246,12 @@ impl Relations for Sightings {
         let is_known =
             |seen: &Seen| (0..2).all(|axis| !domain.value(Variable::Landmark(seen.landmark, axis)).is_empty());
         let rows = |sighted: &Sighted| {
-            let tilted_m = self.sensor.tilt_displacement(sighted.in_view)?;
-            let body_share = self.sensor.body.tilt_rad / (self.sensor.body.tilt_rad + self.sensor.camera.tilt_rad);
-            let body_m = if body_share.is_finite() { tilted_m * body_share } else { 0.0 };
+            let [by_height_m, foreshortened_m] = self.sensor.blur_m(sighted.in_view)?;
             let label = |row: Row| {
-                row.with_part(bounds::BODY_TILT, body_m).with_part(bounds::RANGE_CAMERA_TILT, tilted_m - body_m)
+                row.with_part(bounds::BODY_TILT, by_height_m).with_part(bounds::RANGE_CAMERA_TILT, foreshortened_m)
             };
-            let rows = sighting_rows(&self.sensor.camera, tilted_m, &sighted.sighting, frame, domain);
+            let blur_m = by_height_m + foreshortened_m;
+            let rows = sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain);
             Some(rows.into_iter().map(label).collect::<Vec<Row>>())
         };
         self.right().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
@@ -245,4 +281,5 @@ fn length(vector: [Interval; 2]) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod remainders;
