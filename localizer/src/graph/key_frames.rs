@@ -19,11 +19,11 @@ use super::{
     link::{Link, Read},
 };
 
-/// Greatest number of key frames that are kept: with one a second those of 100 seconds, with one every two seconds on the map those of 200. In longer
-/// drives the older ones are farther apart.
+/// Greatest number of key frames that are kept, where one whose readings relate more than the map counts as two: with one every two seconds on the map
+/// those of 200 seconds, with one every 0.6 s among landmarks those of 30 seconds. In longer drives the older ones are farther apart.
 const MOST: usize = 100;
 /// Greatest time from a key frame to the next one, if there are readings: the latest key frame is replaced by the next until that would be exceeded.
-const APART_S: f64 = 1.1;
+const APART_S: f64 = 0.7;
 /// The same for a key frame that has no reading, or whose readings show nothing but the map: their rows tell little more than the box of the pose.
 const APART_ON_MAP_S: f64 = 2.3;
 
@@ -102,6 +102,11 @@ impl KeyFrames {
     /// Keeps all key frames of the drive from now on, so that memory grows with its length.
     pub fn keep_all(&mut self) {
         self.keeps_all = true;
+    }
+
+    /// Whether all key frames of the drive are kept.
+    pub fn keeps_all(&self) -> bool {
+        self.keeps_all
     }
 
     /// Number of key frames.
@@ -190,10 +195,8 @@ impl KeyFrames {
     /// Adds a key frame with a later stamp than all others. `pose` encloses the pose at its stamp. The way to it is not known yet. It takes the place of
     /// the latest one where the key frame before that is near, and where one of these two has a reading of each source that the latest one has.
     pub fn push(&mut self, stamp_s: f64, pose: PoseBox, reading: Option<FrameReading>) {
-        let apart_s = match self.frames.back() {
-            Some(latest) if !latest.readings.iter().all(|one| one.relations.is_of_the_map()) => APART_S,
-            _ => APART_ON_MAP_S,
-        };
+        let relates_more = self.frames.back().is_some_and(KeyFrame::relates_more_than_the_map);
+        let apart_s = if relates_more { APART_S } else { APART_ON_MAP_S };
         let is_near =
             !self.keeps_all && self.span_before_latest_s().is_some_and(|[before_s, _]| stamp_s - before_s <= apart_s);
         if let (true, Some(before), Some(latest)) = (is_near, self.frames.iter().nth_back(1), self.frames.back()) {
@@ -203,7 +206,7 @@ impl KeyFrames {
             }
         }
         self.push_beside(stamp_s, pose, reading);
-        if self.frames.len() > MOST && !self.keeps_all {
+        while !self.keeps_all && self.frames.iter().map(KeyFrame::counts).sum::<usize>() > MOST {
             self.drop_one();
         }
     }
@@ -374,6 +377,16 @@ impl FrameReading {
 }
 
 impl KeyFrame {
+    /// Whether a reading relates more than the map.
+    fn relates_more_than_the_map(&self) -> bool {
+        !self.readings.iter().all(|one| one.relations.is_of_the_map())
+    }
+
+    /// How much the key frame counts among those that are kept.
+    fn counts(&self) -> usize {
+        if self.relates_more_than_the_map() { 2 } else { 1 }
+    }
+
     /// Whether the key frame has a reading of a source.
     fn has(&self, source: &str) -> bool {
         self.readings.iter().any(|one| one.source == source)

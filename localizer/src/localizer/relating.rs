@@ -13,8 +13,10 @@ use crate::{
 
 use super::{Localizer, bounding::Graph, ring::Slot};
 
-/// Least time between two key frames with readings of the same source, and from a key frame to one without a reading.
+/// Least time from a key frame to one without a reading or with one of the map, and between two key frames of a drive that is kept as a whole.
 const PERIOD_S: f64 = 1.0;
+/// Least time between two key frames with readings of the same source that relate more than the map.
+const READ_PERIOD_S: f64 = 0.6;
 /// Least time from a key frame with a reading that relates something to one without. Readings of the motion are remembered for 3 s, within which both
 /// the next key frame and its readings have to arrive.
 const LONGEST_S: f64 = 1.6;
@@ -46,8 +48,9 @@ impl Graph {
         match (reading, self.frames.latest_relates()) {
             (Some(reading), true) if reading.relations.is_of_the_map() => is_past(latest_s, PERIOD_S),
             (Some(reading), true) => {
+                let period_s = if self.frames.keeps_all() { PERIOD_S } else { READ_PERIOD_S };
                 let was_read_s = self.frames.latest_of_s(reading.source);
-                is_past(latest_s, SLACK_S) && (is_far || was_read_s.is_none_or(|read_s| is_past(read_s, PERIOD_S)))
+                is_past(latest_s, SLACK_S) && (is_far || was_read_s.is_none_or(|read_s| is_past(read_s, period_s)))
             }
             (Some(_), false) => is_past(latest_s, SLACK_S),
             (None, true) => is_past(latest_s, LONGEST_S),

@@ -20,9 +20,9 @@ fn a_key_frame_gives_way_only_to_one_that_shows_as_much() {
         }
         frames.frames.iter().map(|frame| frame.stamp_s).collect::<Vec<_>>()
     };
-    assert_eq!(stamps_of(&[(0.0, "a"), (0.5, "a"), (1.0, "a"), (1.5, "a")]), [0.0, 1.0, 1.5]);
+    assert_eq!(stamps_of(&[(0.0, "a"), (0.3, "a"), (0.6, "a"), (0.9, "a")]), [0.0, 0.6, 0.9]);
     // The reading of `b` in the second key frame is the only one near.
-    assert_eq!(stamps_of(&[(0.0, "a"), (0.2, "b"), (0.5, "a"), (0.7, "b")]), [0.0, 0.2, 0.5, 0.7]);
+    assert_eq!(stamps_of(&[(0.0, "a"), (0.1, "b"), (0.3, "a"), (0.5, "b")]), [0.0, 0.1, 0.3, 0.5]);
     assert_eq!(stamps_of(&[(0.0, "a"), (1.0, ""), (1.1, "a"), (2.7, "")]), [0.0, 1.1, 2.7]);
     assert_eq!(stamps_of(&[(0.0, ""), (1.0, "a"), (2.0, "")]), [0.0, 1.0, 2.0]);
 }
@@ -42,6 +42,11 @@ fn a_key_frame_that_shows_the_map_alone_gives_way_for_two_seconds() {
     let seconds = [0.0, 1.0, 2.0, 3.0, 4.0];
     assert_eq!(stamps_of(&seconds, false), seconds);
     assert_eq!(stamps_of(&seconds, true), [0.0, 2.0, 4.0]);
+    // Of those that relate more, half as many are kept in a long drive, and the first and the latest one among them.
+    let long: Vec<f64> = (0..300).map(f64::from).collect();
+    let kept_s = stamps_of(&long, false);
+    assert_eq!((kept_s.len(), kept_s[0], kept_s[kept_s.len() - 1]), (MOST / 2, 0.0, 299.0));
+    assert_eq!(stamps_of(&long, true).len(), MOST);
 }
 
 /// A reading that shows things of the map.
