@@ -9,7 +9,7 @@ use localizer::{
     Constraint, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Reading,
     bounds::Assumption,
     graph::{Disc, Domain, Relations, Row, Stray, Variable},
-    localizer::Account,
+    localizer::{Account, Status},
     method::{Context, Knowledge, Memory, OnPose, Shown},
     methods::{
         ceiling_markers::CeilingMarkers,
@@ -132,17 +132,24 @@ impl Contractor<3> for TooSmallOnPose {
     }
 }
 
-/// The relations of a reading with rows whose sides are 60 % too near to their middle, and a displacement of the reading that is 60 % too small. With 45 %
-/// the rows of landmarks, whose bounds on tilt and height add up their worst cases, lose nothing in the drives of these tests.
+/// The relations of a reading with rows whose sides are 60 % too near to their middle, and with a displacement and errors of its own that are 60 % too
+/// small. With 45 % the rows of landmarks, whose bounds on tilt and height add up their worst cases, lose nothing in the drives of these tests.
 struct TooSmallRelations(Arc<dyn Relations>);
+
+/// An interval that is 60 % too small.
+fn too_near(sides: Interval) -> Interval {
+    Interval::centred(sides.mid(), 0.4 * sides.radius())
+}
 
 impl Relations for TooSmallRelations {
     fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
-        self.0.quantities(frame, pose)
+        let is_error = |variable: Variable| variable.bound().is_some();
+        let nearer = |(variable, value)| (variable, if is_error(variable) { too_near(value) } else { value });
+        self.0.quantities(frame, pose).into_iter().map(nearer).collect()
     }
 
     fn discs(&self, frame: usize) -> Vec<Disc> {
-        self.0.discs(frame)
+        self.0.discs(frame).into_iter().map(|(pair, radius)| (pair, 0.4 * radius)).collect()
     }
 
     fn is_of_the_map(&self) -> bool {
@@ -170,8 +177,7 @@ impl Relations for TooSmallRelations {
     }
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
-        let too_near = |row: Row| Row { sides: Interval::centred(row.sides.mid(), 0.4 * row.sides.radius()), ..row };
-        self.0.rows(frame, domain).into_iter().map(too_near).collect()
+        self.0.rows(frame, domain).into_iter().map(|row| Row { sides: too_near(row.sides), ..row }).collect()
     }
 }
 
@@ -237,8 +243,8 @@ impl Memory for TooSmall {
     }
 }
 
-/// Localizers that get the same readings beside the run's own; for each the number of steps at which its estimate does not hold the truth is
-/// counted.
+/// Localizers that get the same readings beside the run's own; for each the number of steps is counted at which its estimate does not hold the truth, or
+/// at which it doubts an assumption, though none is false.
 struct Beside {
     localizers: Vec<(Localizer, usize)>,
 }
@@ -253,16 +259,17 @@ impl Witness for Beside {
     fn account(&mut self, _reading: &Reading, _accounts: &[Account]) {}
 
     fn step(&mut self, truth: &Truth, _estimate: &Estimate, _odometry: Pose) {
-        for (localizer, n_outside) in &mut self.localizers {
-            let held = localizer.estimate_at(truth.time_s).pose;
+        for (localizer, n_found) in &mut self.localizers {
+            let estimate = localizer.estimate_at(truth.time_s);
             let pose = truth.pose.to_array();
-            *n_outside += usize::from(!held.branches.iter().any(|branch| branch.contains(&pose)));
+            let is_held = estimate.pose.branches.iter().any(|branch| branch.contains(&pose));
+            *n_found += usize::from(!is_held || estimate.status == Status::Recovering);
         }
     }
 }
 
-/// Numbers of steps of one run at which the true pose is lost: by a localizer with the unchanged method, and by one with the method's boxes 45 %
-/// too small.
+/// Numbers of steps of one run at which the true pose is lost or doubted: by a localizer with the unchanged method, and by one with the method's boxes
+/// 45 % too small.
 fn lost_with_and_without(scene: &Scene, seed: u64, method: &dyn Fn(&Scene) -> Option<Box<dyn Method>>) -> [usize; 2] {
     let localizer = |method: Box<dyn Method>| {
         Localizer::new(scene.map(), scene.robot_model(), vec![method], scene.start_box())
@@ -285,15 +292,24 @@ fn lost_with_and_without(scene: &Scene, seed: u64, method: &dyn Fn(&Scene) -> Op
     [0, 1].map(|index| beside.localizers[index].1)
 }
 
+/// Asserts that one of three drives loses or doubts the truth by the faulty method, and none by the method as it is. Without `make test-long` no more
+/// drives are made once that has happened.
 fn assert_a_method_too_small_is_found(
     path: &str,
-    [duration_s, seed]: [f64; 2],
+    duration_s: f64,
     errors: Distribution,
     method: &dyn Fn(&Scene) -> Option<Box<dyn Method>>,
 ) {
-    let [sound, faulty] = lost_with_and_without(&scene(path, duration_s, errors), seed as u64, method);
-    assert_eq!(sound, 0, "{path}: the method as it is");
-    assert!(faulty > 0, "{path}: boxes 45 % too small always held the truth");
+    let mut is_lost = false;
+    for seed in 0..3 {
+        let [sound, faulty] = lost_with_and_without(&scene(path, duration_s, errors), seed, method);
+        assert_eq!(sound, 0, "{path}, seed {seed}: the method as it is");
+        is_lost |= faulty > 0;
+        if rounds(is_lost, false) {
+            break;
+        }
+    }
+    assert!(is_lost, "{path}: boxes 45 % too small always held the truth");
 }
 
 fn boxed<M: Method + 'static>(method: Option<M>) -> Option<Box<dyn Method>> {
@@ -303,19 +319,19 @@ fn boxed<M: Method + 'static>(method: Option<M>) -> Option<Box<dyn Method>> {
 #[test]
 fn floor_tiles_with_boxes_45_percent_too_small_lose_the_truth() {
     let method = |scene: &Scene| boxed(FloorTiles::new(&scene.map(), &scene.robot_model(), Chain::Direct));
-    assert_a_method_too_small_is_found("tiles.toml", [8.0, 0.0], Distribution::Corner, &method);
+    assert_a_method_too_small_is_found("tiles.toml", 8.0, Distribution::Corner, &method);
 }
 
 #[test]
 fn range_landmarks_with_boxes_45_percent_too_small_lose_the_truth() {
     let method = |scene: &Scene| boxed(RangeLandmarks::new(&scene.robot_model(), Freedom::Full, Solver::OneShot));
-    assert_a_method_too_small_is_found("papers/rigid_transform_loop.toml", [65.0, 0.0], Distribution::Corner, &method);
+    assert_a_method_too_small_is_found("papers/rigid_transform_loop.toml", 65.0, Distribution::Corner, &method);
 }
 
 #[test]
 fn ceiling_markers_with_boxes_45_percent_too_small_lose_the_truth() {
     let method = |scene: &Scene| boxed(CeilingMarkers::new(&scene.map(), &scene.robot_model()));
-    assert_a_method_too_small_is_found("papers/ir_markers_lab.toml", [25.0, 0.0], Distribution::Corner, &method);
+    assert_a_method_too_small_is_found("papers/ir_markers_lab.toml", 25.0, Distribution::Corner, &method);
 }
 
 #[test]
@@ -332,5 +348,5 @@ fn wall_directions_with_boxes_45_percent_too_small_lose_the_truth() {
         };
         boxed(WallDirections::new(&scene.map(), &scene.robot_model(), walls))
     };
-    assert_a_method_too_small_is_found("dark/walls.toml", [15.0, 0.0], Distribution::Drift, &method);
+    assert_a_method_too_small_is_found("dark/walls.toml", 15.0, Distribution::Drift, &method);
 }
