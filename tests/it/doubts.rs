@@ -119,6 +119,30 @@ fn a_kick_beyond_reach_is_noticed_within_a_second_and_right_again_within_five() 
 }
 
 #[test]
+fn a_push_by_one_tile_in_a_blackout_is_found_when_markers_show_it_seconds_later() {
+    // The lamps are off while the robot is pushed, and afterwards the next tile fits as well. Two seconds later a marker comes into view.
+    let mut scene = scene("found/kicked_among_tiles_and_markers.toml");
+    scene.duration_s = 16.0;
+    scene.markers.as_mut().unwrap().markers.retain(|marker| [125, 343, 414].contains(&marker.id));
+    scene.events = vec![
+        Event::Light { at_s: 6.0, illuminance_at_floor_lux: 0.0 },
+        Event::Push { at_s: 6.05, displacement_m: [0.0, 0.3], lasts_s: 0.5 },
+        Event::Light { at_s: 6.6, illuminance_at_floor_lux: 300.0 },
+    ];
+    for seed in 0..rounds(1, 3) {
+        let (record, verdict) = judged(&scene, seed);
+        let containment = verdict.containment.as_ref().unwrap();
+        assert_eq!((containment.unsound, containment.perception), (0, 0), "seed {seed}: {containment:?}");
+        let doubted_s = first_doubt_s(&record);
+        assert!((7.6..9.5).contains(&doubted_s), "seed {seed}: {doubted_s}");
+        assert_eq!(outside_s(&record, doubted_s), 0.0, "seed {seed}");
+        let last = record.estimates.last().unwrap();
+        assert_eq!(last.status, Status::Sound, "seed {seed}");
+        assert!(last.pose.hull()[1].width() < 0.03, "seed {seed}: {:?}", last.pose.hull());
+    }
+}
+
+#[test]
 fn a_robot_that_stands_below_the_same_markers_after_a_kick_is_sure_of_itself_again() {
     // On errands a robot that is in doubt stands still and turns round, so that no other markers come into view.
     let mut scene = scene("papers/ir_markers_lab.toml");
@@ -262,7 +286,7 @@ fn a_robot_that_drives_against_a_wall_by_a_wide_hull_is_outside_by_slip_for_two_
     assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
     assert!(outside_s(&record, 15.0) > 0.5, "{containment:?}");
     assert!(verdict.metrics["longest_outside_s"] < 2.5, "{:?}", verdict.metrics);
-    let slips = |broken: &Violation| broken.bound == "wheels.slip" && broken.from_s > 15.0 && broken.to_s > 23.0;
+    let slips = |broken: &Violation| broken.bound == "wheels.slip" && broken.from_s > 10.0 && broken.to_s > 23.0;
     assert!(verdict.violations.iter().any(slips), "{:?}", verdict.violations);
 }
 

@@ -30,14 +30,29 @@ impl Localizer {
         Some(ring::merged(&carried?))
     }
 
-    /// The pose union that one hypothesis about what failed has in a stored slot, carried to a later stamp by the robot's motion. Where the
-    /// remembered wheel readings do not cover the time between, the robot's limits of speed and turn rate bound the motion.
+    /// The pose union that one hypothesis about what failed has in a stored slot, carried to a later stamp by the robot's motion.
     pub(super) fn carried_of(&self, hypothesis: usize, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
+        let by_reach_s = self.hypotheses[hypothesis].by_reach_s();
+        self.carried_past(&slot.unions[hypothesis], [slot.stamp_s, stamp_s], by_reach_s)
+    }
+
+    /// A pose union carried from one stamp to a later one by the motion that the wheels give before and after the span `by_reach_s`. Within that span,
+    /// and where the remembered wheel readings do not cover the time, the robot's limits of speed and turn rate bound the motion.
+    pub(super) fn carried_past(
+        &self,
+        union: &PoseUnion,
+        [from_s, to_s]: [f64; 2],
+        by_reach_s: [f64; 2],
+    ) -> Option<PoseUnion> {
         self.wheels.latest()?;
-        let doubted = !self.hypotheses[hypothesis].trusts_wheels(slot.stamp_s);
-        let union = &slot.unions[hypothesis];
-        let carried = self.carried(union, slot.stamp_s, stamp_s, doubted);
-        carried.or_else(|| self.carried(union, slot.stamp_s, stamp_s, true))
+        let [reach_from_s, reach_to_s] = by_reach_s.map(|cut_s| cut_s.max(from_s).min(to_s));
+        let parts_s = [[from_s, reach_from_s], [reach_from_s, reach_to_s], [reach_to_s, to_s]];
+        let mut carried = union.clone();
+        for (part, [from_s, to_s]) in parts_s.into_iter().enumerate().filter(|(_, [from_s, to_s])| from_s < to_s) {
+            let rolled = self.carried(&carried, from_s, to_s, part == 1);
+            carried = rolled.or_else(|| self.carried(&carried, from_s, to_s, true))?;
+        }
+        Some(carried)
     }
 
     /// A pose union carried from one stamp to a later one by the motion that the wheels give, or, while the wheels are doubted after a contradiction,

@@ -7,8 +7,9 @@
 //!   else holds.
 //! - *Markers*: some of the markers seen lately are not where the map has them. Everything else holds, other markers in the same images included. There
 //!   is one such hypothesis for each smallest set of markers without which nothing contradicts anything.
-//! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach (the robot's physical limits of motion) alone
-//!   bounds the motion.
+//! - *Motion*: wheels or flow sensor have broken their bounds since half a second before the contradiction, and perhaps still do. Since then reach (the
+//!   robot's physical limits of motion) alone bounds the motion. If that explains nothing, longer times are asked.
+//! - *Earlier motion*: wheels or flow sensor broke their bounds within one span of half a second before that, and have kept them since.
 //! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the latest
 //!   such reading is believed.
 //!
@@ -26,7 +27,7 @@ use super::{
     hypothesis::{Failed, Hypothesis, Witness, named},
     moves::{REACH, WHEELS},
     naming::Intersected,
-    ring::{Slot, merged},
+    ring::{Explanation, Slot, joined, merged},
 };
 
 /// Pause after the methods have unlearnt what they learnt from recent readings. In this time they do not unlearn again, so that it shows whether the
@@ -35,11 +36,8 @@ const UNLEARN_PAUSE_S: f64 = 2.0;
 /// After a contradiction the methods take back what they learnt from recent readings. A further contradiction within this time is taken to have the
 /// same cause, and the methods then take back twice as much time as before; one that comes later is taken to have a cause of its own.
 const UNLEARN_CALM_S: f64 = 15.0;
-/// Least time before the present from which on poses are computed anew when a doubt begins: since then the assumption that failed may already have
-/// contracted poses wrongly.
-const DOUBT_S: f64 = 1.0;
-/// Time after the end of a doubt in which a new contradiction is taken to have the same cause as that doubt, but longer ago than was assumed: the new
-/// doubt reaches twice as far back.
+/// Time after the end of a doubt in which a new contradiction is taken to have the same cause as that doubt, which then lasted for longer than was
+/// assumed: the new doubt sets aside spans of motion that are twice as long.
 const DOUBT_AGAIN_S: f64 = 5.0;
 /// Number of sectors of heading per turn in which a robot that may be anywhere is searched for. There are several, because a contractor of poses
 /// narrows headings only within a part of a turn.
@@ -60,20 +58,20 @@ pub(super) struct Evidence {
     agrees: Vec<bool>,
 }
 
-/// When earlier doubts about an assumption took place, and how far back they reached.
+/// When earlier doubts about an assumption took place, and how much motion they set aside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubts {
     /// Time at which the last doubt about an assumption ended: poses before that time are not recomputed.
     pub(super) ended_s: f64,
-    /// Time by which the last doubt reached back before the contradiction that began it.
-    depth_s: f64,
+    /// Length of the spans of motion that the last doubt set aside.
+    pub(super) span_s: f64,
     /// Time at which the methods last unlearnt what they had learnt from recent readings, and how many seconds before it that began.
     unlearnt: (f64, f64),
 }
 
 impl Default for Doubts {
     fn default() -> Self {
-        Doubts { ended_s: f64::NEG_INFINITY, depth_s: 0.0, unlearnt: (0.0, 0.0) }
+        Doubts { ended_s: f64::NEG_INFINITY, span_s: 0.0, unlearnt: (0.0, 0.0) }
     }
 }
 
@@ -90,22 +88,24 @@ impl Localizer {
         self.note_contradiction(contradicting_s.map_or(Intersected::Known, Intersected::Constraint), None);
         let ended_s = self.doubts.ended_s;
         let is_again = self.now_s - ended_s < DOUBT_AGAIN_S;
-        let depth_s = if is_again { (2.0 * self.doubts.depth_s).min(REMEMBER_S) } else { 0.0 }.max(DOUBT_S);
-        self.doubts = Doubts { depth_s, ended_s: f64::NEG_INFINITY, ..self.doubts };
+        let least_s = if is_again { (2.0 * self.doubts.span_s).min(REMEMBER_S) } else { 0.0 };
+        self.doubts.ended_s = f64::NEG_INFINITY;
         self.relies_on.retain(|assumption| !WHEELS.contains(assumption));
         self.relies_on.extend(
             REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
         );
         let renewed_s = self.unlearn_deeper();
-        let doubtful_s = self.now_s - depth_s;
-        self.ring.drop_anchors_after(doubtful_s);
         let corrections = self.markers_that_explain(ended_s, contradicting_s);
+        let agreeing = contradicting_s.map_or(self.ring.last(), |stamp_s| self.ring.earlier_than(stamp_s));
+        let motion = self.motion_that_explains(agreeing.map_or(self.now_s, |slot| slot.stamp_s), least_s);
+        self.doubts.span_s = motion.span_s;
 
         // The hypothesis of a false reading is followed from that reading on, or from the first constraint on that relied on something just unlearnt,
         // if that constraint is earlier.
         let reading = contradicting_s.map(|stamp_s| (Failed::Reading, stamp_s.min(renewed_s)));
+        let unexplained = motion.explanations.is_empty().then_some((Failed::Motion, motion.since_s));
         let since: Vec<(Failed, f64)> =
-            reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
+            reading.into_iter().chain(unexplained).chain([(Failed::Memory, motion.since_s)]).collect();
         self.hypotheses = since.iter().map(|(failed, _)| Hypothesis::new(*failed)).collect();
         self.graph.forget_since(self.now_s - REMEMBER_S);
         self.ring.forget_relations();
@@ -125,9 +125,13 @@ impl Localizer {
                 self.hypotheses[hypothesis].contradict(&against.witnesses);
             }
         }
-        for (hypothesis, unions) in corrections {
-            self.hypotheses.push(hypothesis);
-            self.ring.iter_mut().zip(unions).for_each(|(slot, union)| slot.unions.push(union));
+        // Where several hypotheses are supported, the first of them is believed: that everything known was false only if the motion was not.
+        let memory = self.hypotheses.len() - 1;
+        for (index, explanation) in motion.explanations.into_iter().enumerate() {
+            self.follow(memory + index, explanation);
+        }
+        for explanation in corrections {
+            self.follow(self.hypotheses.len(), explanation);
         }
         self.drop_refuted();
         self.restart_integral();
@@ -136,6 +140,12 @@ impl Localizer {
         if self.current.is_empty() {
             self.begin_anywhere();
         }
+    }
+
+    /// Follows one more hypothesis, as the one with the given index.
+    fn follow(&mut self, index: usize, (hypothesis, unions): Explanation) {
+        self.hypotheses.insert(index, hypothesis);
+        self.ring.iter_mut().zip(unions).for_each(|(slot, union)| slot.unions.insert(index, union));
     }
 
     /// Begins the doubt anew, with the robot anywhere in the room, because no hypothesis about what failed leaves any pose.
@@ -369,23 +379,4 @@ pub(super) fn in_sectors(start: PoseBox) -> PoseUnion {
         IntervalBox::from([start[0], start[1], sector.intersect(heading)])
     });
     PoseUnion { branches: sectors.collect() }
-}
-
-/// The branches of several pose unions, in which branches that overlap are replaced by their hull.
-fn joined(unions: &[PoseUnion]) -> PoseUnion {
-    let mut branches = merged(unions).branches;
-    if unions.len() == 1 {
-        return PoseUnion { branches };
-    }
-    let mut index = 0;
-    while index < branches.len() {
-        match (index + 1..branches.len()).find(|&other| branches[index].overlaps(&branches[other])) {
-            Some(other) => {
-                branches[index] = branches[index].hull(&branches[other]);
-                branches.remove(other);
-            }
-            None => index += 1,
-        }
-    }
-    PoseUnion { branches }
 }

@@ -15,8 +15,10 @@ pub(super) enum Failed {
     Reading,
     /// Hypothesis that some markers are not where the map has them.
     Markers,
-    /// Hypothesis that wheels or flow sensor broke their declared bounds in the last second or seconds.
+    /// Hypothesis that wheels or flow sensor have broken their declared bounds since some time, and perhaps still do.
     Motion,
+    /// Hypothesis that wheels or flow sensor broke their declared bounds within a span of time that is over.
+    EarlierMotion,
     /// Hypothesis that everything that was known about the pose before the contradiction is false.
     Memory,
 }
@@ -36,19 +38,25 @@ pub(super) struct Hypothesis {
     /// Number of latest readings in a row for which the motion by the wheels leads from the poses at the reading before to poses that the reading
     /// allows.
     n_in_a_row: usize,
-    /// Stamp from which on the hypothesis takes the robot's motion from the wheels again, whatever failed before, because consecutive readings agreed
-    /// with them; infinite while it does not.
-    rolls_since_s: f64,
+    /// Span of time in which the hypothesis does not take the robot's motion from the wheels, but bounds it by reach alone. It ends where it is over, or
+    /// where consecutive readings agreed with the wheels again; until then its end is infinite.
+    by_reach_s: [f64; 2],
 }
 
 impl Hypothesis {
     pub(super) fn new(failed: Failed) -> Self {
-        let rolls_since_s = match failed {
-            Failed::Nothing | Failed::Reading | Failed::Markers => f64::NEG_INFINITY,
-            Failed::Motion | Failed::Memory => f64::INFINITY,
+        let by_reach_s = match failed {
+            Failed::Nothing | Failed::Reading | Failed::Markers => [f64::NEG_INFINITY; 2],
+            Failed::Motion | Failed::EarlierMotion | Failed::Memory => [f64::NEG_INFINITY, f64::INFINITY],
         };
         let (misplaced, agreeing, against) = (Vec::new(), Vec::new(), Vec::new());
-        Hypothesis { failed, misplaced, agreeing, against, n_in_a_row: 0, rolls_since_s }
+        Hypothesis { failed, misplaced, agreeing, against, n_in_a_row: 0, by_reach_s }
+    }
+
+    /// The hypothesis that the motion was false within a span of time, which is not over yet if its end is infinite.
+    pub(super) fn of_motion(span_s: [f64; 2]) -> Self {
+        let failed = if span_s[1].is_finite() { Failed::EarlierMotion } else { Failed::Motion };
+        Hypothesis { by_reach_s: span_s, ..Hypothesis::new(failed) }
     }
 
     /// The hypothesis that the given markers are not where the map has them.
@@ -56,9 +64,9 @@ impl Hypothesis {
         Hypothesis { misplaced, ..Hypothesis::new(Failed::Markers) }
     }
 
-    /// Whether the hypothesis takes the robot's motion from a given stamp on from the wheels.
-    pub(super) fn trusts_wheels(&self, from_s: f64) -> bool {
-        from_s >= self.rolls_since_s
+    /// Span of time in which the hypothesis bounds the robot's motion by reach alone.
+    pub(super) fn by_reach_s(&self) -> [f64; 2] {
+        self.by_reach_s
     }
 
     /// Whether this hypothesis leaves out a reading with the given witnesses (the markers that it shows, or the reading itself). The hypothesis that
@@ -74,8 +82,8 @@ impl Hypothesis {
             let others = constraint.by_marker.iter().filter(|(marker, _)| !self.misplaced.contains(marker));
             return others.fold(union.clone(), |union, (_, on_pose)| union.contracted(on_pose.as_ref()));
         }
-        let by_itself =
-            constraint.by_itself.as_ref().filter(|_| matches!(self.failed, Failed::Motion | Failed::Memory));
+        let is_of_motion = matches!(self.failed, Failed::Motion | Failed::EarlierMotion | Failed::Memory);
+        let by_itself = constraint.by_itself.as_ref().filter(|_| is_of_motion);
         union.contracted(by_itself.unwrap_or(&constraint.on_pose).as_ref())
     }
 
@@ -114,16 +122,16 @@ impl Hypothesis {
     pub(super) fn disagree(&mut self) {
         self.agreeing.clear();
         self.n_in_a_row = 0;
-        if !matches!(self.failed, Failed::Reading | Failed::Markers) {
-            self.rolls_since_s = f64::INFINITY;
+        if matches!(self.failed, Failed::Motion | Failed::Memory) {
+            self.by_reach_s[1] = f64::INFINITY;
         }
     }
 
     /// Notes that, under this hypothesis, the motion by the wheels leads to poses that a reading with the stamp `stamp_s` allows.
     pub(super) fn agree(&mut self, witnesses: &[Witness], stamp_s: f64) {
         self.n_in_a_row += 1;
-        if self.n_in_a_row >= WITNESSES {
-            self.rolls_since_s = self.rolls_since_s.min(stamp_s);
+        if self.n_in_a_row >= WITNESSES && matches!(self.failed, Failed::Motion | Failed::Memory) {
+            self.by_reach_s[1] = self.by_reach_s[1].min(stamp_s);
         }
         self.note(witnesses);
     }

@@ -1,11 +1,11 @@
 //! Which markers may be misplaced after a contradiction: the smallest sets of markers without whose images nothing contradicts anything.
 
-use crate::{PoseUnion, markers::MarkerId};
+use crate::markers::MarkerId;
 
 use super::{
     Localizer,
     hypothesis::{Hypothesis, Witness, named},
-    ring::Slot,
+    ring::{Explanation, Slot},
 };
 
 /// Greatest number of markers that are taken to be misplaced together.
@@ -17,11 +17,7 @@ const MOST_ASKED: usize = 8;
 impl Localizer {
     /// The smallest sets of markers without whose images nothing since the last doubt contradicts anything, each with the pose unions of all slots under
     /// the hypothesis that these markers are misplaced. The slots hold what was believed.
-    pub(super) fn markers_that_explain(
-        &mut self,
-        ended_s: f64,
-        contradicting_s: Option<f64>,
-    ) -> Vec<(Hypothesis, Vec<PoseUnion>)> {
+    pub(super) fn markers_that_explain(&mut self, ended_s: f64, contradicting_s: Option<f64>) -> Vec<Explanation> {
         let mut seen: Vec<MarkerId> = Vec::new();
         for slot in (0..self.ring.len()).rev().map(|at| &self.ring[at]) {
             for marker in slot.constraint.as_ref().map(named).unwrap_or_default() {
@@ -41,7 +37,7 @@ impl Localizer {
                 seen[later..].iter().map(larger).collect::<Vec<Vec<MarkerId>>>()
             };
             sets = sets.iter().flat_map(larger).collect();
-            let explained: Vec<(Hypothesis, Vec<PoseUnion>)> =
+            let explained: Vec<Explanation> =
                 sets.iter().filter_map(|set| self.explained_without(set, ended_s, contradicting_s)).collect();
             if !explained.is_empty() {
                 return explained;
@@ -56,10 +52,7 @@ impl Localizer {
         markers: &[MarkerId],
         from_s: f64,
         contradicting_s: Option<f64>,
-    ) -> Option<(Hypothesis, Vec<PoseUnion>)> {
-        self.hypotheses.push(Hypothesis::of_markers(markers.to_vec()));
-        self.ring.iter_mut().for_each(|slot| slot.unions.push(slot.unions[0].clone()));
-        let tried = self.hypotheses.len() - 1;
+    ) -> Option<Explanation> {
         // What was believed before the first image of one of these markers, and before the contradiction, stays as it is.
         let shows_one = |slot: &Slot| {
             let seen = slot.constraint.as_ref().map(named).unwrap_or_default();
@@ -67,9 +60,6 @@ impl Localizer {
         };
         let first = (0..self.ring.len()).map(|at| &self.ring[at]).find(|slot| shows_one(slot));
         let first_s = first.zip(contradicting_s).map_or(from_s, |(slot, at_s)| slot.stamp_s.min(at_s));
-        let is_contradicted = !self.replay(tried, from_s.max(first_s)).is_empty();
-        let hypothesis = self.hypotheses.pop();
-        let unions: Vec<PoseUnion> = self.ring.iter_mut().filter_map(|slot| slot.unions.pop()).collect();
-        hypothesis.filter(|_| !is_contradicted).map(|hypothesis| (hypothesis, unions))
+        self.explained_by(Hypothesis::of_markers(markers.to_vec()), from_s.max(first_s))
     }
 }

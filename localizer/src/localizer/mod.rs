@@ -8,6 +8,7 @@ mod bounding;
 mod carrying;
 mod constraining;
 mod doubt;
+mod false_motion;
 mod heading_fixes;
 mod hypothesis;
 mod learning;

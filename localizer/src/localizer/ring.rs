@@ -7,7 +7,10 @@ use std::{
 
 use crate::{Constraint, PoseBox, PoseUnion};
 
-use super::hypothesis::Witness;
+use super::hypothesis::{Hypothesis, Witness};
+
+/// A hypothesis about what failed, with the pose unions of all slots under it.
+pub(super) type Explanation = (Hypothesis, Vec<PoseUnion>);
 
 /// What is known of the robot's pose at one stamp.
 pub(super) struct Slot {
@@ -54,6 +57,25 @@ pub(super) fn merged(unions: &[PoseUnion]) -> PoseUnion {
     PoseUnion { branches: unions.iter().flat_map(|union| union.branches.iter().copied()).collect() }.without_repeats()
 }
 
+/// The branches of several pose unions, in which branches that overlap are replaced by their hull.
+pub(super) fn joined(unions: &[PoseUnion]) -> PoseUnion {
+    let mut branches = merged(unions).branches;
+    if unions.len() == 1 {
+        return PoseUnion { branches };
+    }
+    let mut index = 0;
+    while index < branches.len() {
+        match (index + 1..branches.len()).find(|&other| branches[index].overlaps(&branches[other])) {
+            Some(other) => {
+                branches[index] = branches[index].hull(&branches[other]);
+                branches.remove(other);
+            }
+            None => index += 1,
+        }
+    }
+    PoseUnion { branches }
+}
+
 /// The slots (stored pose unions) of the last `keep_s` seconds, in the order of their stamps.
 pub(super) struct Ring {
     slots: VecDeque<Slot>,
@@ -80,6 +102,11 @@ impl Ring {
     /// The ring's last slot (stored pose union) whose stamp is at or before the given one.
     pub(super) fn before(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s)
+    }
+
+    /// The ring's last slot (stored pose union) whose stamp is before the given one.
+    pub(super) fn earlier_than(&self, stamp_s: f64) -> Option<&Slot> {
+        self.slots.iter().rev().find(|slot| slot.stamp_s < stamp_s)
     }
 
     /// The ring's last slot (stored pose union) of an image whose stamp is at or before the given one; slots without an image are passed over.
@@ -126,12 +153,6 @@ impl Ring {
                 index += 1;
             }
         }
-    }
-
-    /// Removes the slots (stored pose unions) without an image after a stamp, except for the oldest slot, from which all others are predicted.
-    pub(super) fn drop_anchors_after(&mut self, stamp_s: f64) {
-        let oldest_s = self.slots.front().map_or(stamp_s, |oldest| oldest.stamp_s);
-        self.slots.retain(|slot| slot.stamp_s <= stamp_s.max(oldest_s) || slot.constraint.is_some());
     }
 
     /// Forgets the boxes by the graph of key frames in all slots.
