@@ -309,7 +309,7 @@ fn assert_a_method_too_small_is_found(
             break;
         }
     }
-    assert!(is_lost, "{path}: boxes 45 % too small always held the truth");
+    assert!(is_lost, "{path}: boxes 45 % too small neither lost nor doubted the truth");
 }
 
 fn boxed<M: Method + 'static>(method: Option<M>) -> Option<Box<dyn Method>> {
