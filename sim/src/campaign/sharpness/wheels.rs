@@ -1,5 +1,7 @@
 //! Wheel readings: the counts of the ticks, the dimensions of the axle, slip and side slip.
 
+use std::collections::BTreeMap;
+
 use interval::Interval;
 use localizer::{
     bounds,
@@ -15,10 +17,14 @@ use super::{
 
 /// Time by which a window may be longer than declared and still count, because stamps are rounded.
 const ROUNDING_S: f64 = 1e-9;
-/// Full windows of slip begin at every stamp of this number for the search. Those that a candidate nearly breaks are added one by one.
+/// Full windows of slip begin at every stamp of this number for the search. Of the windows with the same end that a candidate nearly breaks, the worst
+/// is added.
 const EACH_WINDOW: usize = 5;
 /// Share of a bound above which a window of slip is added to the search on its own.
 const NEARLY: f64 = 0.8;
+/// Time before the end within which all windows of slip are added. There a candidate uses many of them up to the bound, and if the search knew only
+/// those that the last candidate used, the next one would break others.
+const LATEST_S: f64 = 1.0;
 
 /// All wheel readings up to an instant.
 pub(super) struct Wheels {
@@ -35,6 +41,21 @@ struct Travel {
     path_m: [Vec<Interval>; 3],
     /// True travel of each wheel's contact point.
     wheel_m: [Vec<Interval>; 2],
+}
+
+/// A window over which slip is bounded: the readings at its begin and end, the slip over it, and the greatest slip allowed.
+struct Window {
+    begin: usize,
+    end: usize,
+    slip_m: f64,
+    most_m: f64,
+}
+
+impl Window {
+    /// Share of the bound that the slip uses.
+    fn used(&self) -> f64 {
+        self.slip_m.abs() / self.most_m
+    }
 }
 
 impl Wheels {
@@ -164,23 +185,29 @@ impl Kind for Wheels {
         let history = near.history;
         let travel = self.travel(history);
         let gains = Gains::along(near);
+        let last_s = history.stamps_s[history.stamps_s.len() - 1];
         for channel in 0..3 {
             let (ratio, floor_m, _) = self.slip_bound(channel);
             let (error_m, path_m) = (&travel.error_m[channel], &travel.path_m[channel]);
             let mut chosen = Vec::new();
+            let mut nearly_broken: BTreeMap<usize, Window> = BTreeMap::new();
             let mut before = 0;
             // The windows never fail here, since the closure never does.
             let _ = self.windows(history, |begin, end| {
                 let slip_m = (error_m[end] - error_m[begin]).mid();
                 let most_m = ratio * (path_m[end] - path_m[begin]).mid() + floor_m;
+                let window = Window { begin, end, slip_m, most_m };
                 let is_full = end != before && begin % EACH_WINDOW == 0 && begin > 0;
                 before = end;
-                if is_full || slip_m.abs() > NEARLY * most_m {
-                    chosen.push((begin, end, slip_m, most_m));
+                if is_full || last_s - history.stamps_s[self.readings[end].0] < LATEST_S {
+                    chosen.push(window);
+                } else if window.used() > NEARLY.max(nearly_broken.get(&end).map_or(0.0, Window::used)) {
+                    nearly_broken.insert(end, window);
                 }
                 Ok(())
             });
-            for (begin, end, slip_m, most_m) in chosen {
+            chosen.extend(nearly_broken.into_values());
+            for Window { begin, end, slip_m, most_m } in chosen {
                 let [from, to] = [begin, end].map(|reading| self.readings[reading].0);
                 let terms = if channel == 2 {
                     gains.left(near, from, to)
