@@ -78,6 +78,8 @@ pub(super) fn within(most: Interval) -> Interval {
 pub(super) struct Trust {
     /// Greatest deviation of a quantity without a bound of its own.
     pub(super) most: f64,
+    /// Share of the width of its bound by which a quantity with a bound may deviate.
+    pub(super) share: f64,
     /// Whether quantities move that are multiplied by others, so that linear rows are good only near the history.
     pub(super) moves_products: bool,
     /// Share of the width of each row's interval by which it is narrowed at both ends. The room is for what is not linear.
@@ -155,11 +157,11 @@ impl<'a> Linearised<'a> {
         };
         for Declared { quantity, interval, .. } in declared {
             let is_free = trust.moves_products || !quantity.is_in_products();
-            // A quantity that is bounded goes as far as its bound.
+            // A quantity that is bounded goes as far as its bound where it may.
             let most = match (is_free, interval.is_bounded()) {
                 (false, _) => 0.0,
                 (true, false) => trust.most,
-                (true, true) => interval.width(),
+                (true, true) => trust.share * interval.width(),
             };
             let unknown = near.helper(Interval::new(-most, most));
             near.hold(unknown, history.value(*quantity), *interval);
@@ -226,6 +228,14 @@ impl<'a> Linearised<'a> {
         if lo <= hi {
             self.rows.push((terms, Interval::new(lo, hi)));
         }
+    }
+
+    /// Whether a point keeps all rows.
+    pub(super) fn keeps_rows(&self, point: &[f64]) -> bool {
+        self.rows.iter().all(|(terms, allowed)| {
+            let change: f64 = terms.iter().map(|&(at, coefficient)| coefficient * point[at]).sum();
+            allowed.contains(change)
+        })
     }
 
     /// Narrows the range of an unknown, so that a value that is `value` at the history and changes as the unknown does stays in an interval. Unlike a

@@ -21,19 +21,25 @@ const LATEST_S: f64 = 2.0;
 const LATEST_KNOT_S: f64 = 0.09;
 /// Time between two knots where nothing is looked at.
 const LONGEST_S: f64 = 0.8;
-/// Greatest number of programs for one direction of one axis. The third or fourth is usually the last: what the second leaves is of fourth order.
-const MOST_PROGRAMS: usize = 7;
+/// Number of the first programs for one direction of one axis, which go as far as they can. What the second leaves is of fourth order, but where a
+/// quantity may deviate in many ways without a change of the distance, each program chooses another one, and none of the first ends at a witness.
+const N_FAR_PROGRAMS: usize = 3;
 /// Number of the first programs in which all quantities move. Later ones hold those that enter in products only, so that the rows become exact.
 const N_PROGRAMS_WITH_PRODUCTS: usize = 2;
-/// Share of the width of each row's interval that the first programs and the later ones leave free at both ends, for what is not linear. A witness
-/// loses about twice the last share of its distance.
-const MARGINS: [f64; 2] = [0.004, 0.001];
+/// For each further program the share of all ranges within which it stays near the candidate before it. It corrects what is not linear, which is of
+/// second order in this share.
+const CORRECTIONS: [f64; 5] = [0.1, 0.03, 0.01, 0.003, 0.001];
+/// Share of the width of each row's interval that is left free at both ends, for what is not linear. After minutes there are so many readings that hardly
+/// any history keeps away from all ends of their intervals: at some instants after 180 s the first programs had no solution with 1 per mille left free.
+const MARGIN: f64 = 0.0003;
 /// Greatest number of steps of the solver; after these the point is within a few per mille of the optimum.
 const MOST_STEPS: usize = 24;
 /// Share of the distance by which a step of the solver may still change it when the program counts as solved.
 const SETTLED: f64 = 2e-3;
 /// Number of steps in a row that must change the distance so little.
 const N_SETTLED: usize = 2;
+/// Share of the distance that a correction may give up, so that it ends as soon as its rows hold.
+const GIVEN_UP: f64 = 3e-3;
 /// Share of the distance from the truth below which what a program changed shows that a further one is not worth its time.
 const LEAST_GAIN: f64 = 0.03;
 /// Number of halvings when a candidate is drawn back towards a witness.
@@ -75,7 +81,7 @@ pub(super) fn search(truth: &History, kinds: &[Box<dyn Kind>], reach: [f64; 3]) 
     let mut eased = truth.clone();
     kinds.iter().for_each(|kind| kind.ease(&mut eased, &knots));
     let truth = if check(&eased, kinds, TRUTH_SLACK).is_ok() { &eased } else { truth };
-    let first = Program::about(truth, kinds, &knots, reach, true);
+    let first = Program::about(truth, kinds, &knots, reach, Stage::of(1, 0.0));
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             let mut climb = Climb { kinds, knots: &knots, reach, axis, side, witness: truth.clone(), broken: None };
@@ -140,13 +146,13 @@ impl Climb<'_> {
             if is_witness && gain > 0.0 {
                 self.witness = candidate.clone();
             }
-            let is_done = is_witness && (far - far_before).abs() < LEAST_GAIN * far.abs();
+            let changes_little = program > N_FAR_PROGRAMS || (far - far_before).abs() < LEAST_GAIN * far.abs();
             far_before = far;
-            if is_done || program == MOST_PROGRAMS {
+            if (is_witness && changes_little) || program == N_FAR_PROGRAMS + CORRECTIONS.len() {
                 break;
             }
-            let again =
-                Program::about(&candidate, self.kinds, self.knots, self.reach, program < N_PROGRAMS_WITH_PRODUCTS);
+            let stage = Stage::of(program + 1, far.abs());
+            let again = Program::about(&candidate, self.kinds, self.knots, self.reach, stage);
             match again.and_then(|program| program.farthest(self.axis, self.side)) {
                 Some(next) => candidate = next,
                 None => break,
@@ -180,10 +186,29 @@ impl Climb<'_> {
     }
 }
 
+/// What a program of the search may change.
+#[derive(Clone, Copy, Debug)]
+struct Stage {
+    moves_products: bool,
+    /// For a correction the share of all ranges within which it stays.
+    correction: Option<f64>,
+    /// How far from the truth the history is about which the program is made.
+    far: f64,
+}
+
+impl Stage {
+    /// The stage of the program with this number, counted from 1.
+    fn of(program: usize, far: f64) -> Stage {
+        let correction = program.checked_sub(N_FAR_PROGRAMS + 1).and_then(|at| CORRECTIONS.get(at).copied());
+        Stage { moves_products: program <= N_PROGRAMS_WITH_PRODUCTS, correction, far }
+    }
+}
+
 /// The linear program about a history.
 struct Program<'a> {
     near: Linearised<'a>,
     solver: Solver,
+    stage: Stage,
 }
 
 impl<'a> Program<'a> {
@@ -193,15 +218,17 @@ impl<'a> Program<'a> {
         kinds: &[Box<dyn Kind>],
         knots: &'a [usize],
         reach: [f64; 3],
-        moves_products: bool,
+        stage: Stage,
     ) -> Option<Self> {
+        let share = stage.correction.unwrap_or(1.0);
+        let reach = reach.map(|reach| share * reach);
         // The kind of the wheels narrows the ranges of their angles.
         let [x_m, y_m, heading_rad] = reach;
         let most: [f64; N_AT_KNOT] = [x_m, y_m, heading_rad, 1.0, 1.0];
         let knot_ranges = knots.iter().flat_map(|_| most.map(|most| Interval::new(-most, most))).collect();
         let declared: Vec<Declared> = kinds.iter().flat_map(|kind| kind.declared(history)).collect();
-        let margin = MARGINS[usize::from(!moves_products)];
-        let trust = Trust { most: reach[0].max(reach[1]), moves_products, margin };
+        let most = reach[0].max(reach[1]);
+        let trust = Trust { most, share, moves_products: stage.moves_products, margin: MARGIN };
         let mut near = Linearised::new(history, knots, knot_ranges, &declared, trust);
         kinds.iter().for_each(|kind| kind.add_rows(&mut near));
         let mut program = LinearProgram::new(near.ranges.clone()).ok()?;
@@ -209,7 +236,7 @@ impl<'a> Program<'a> {
             program.add_row(terms, *interval).ok()?;
         }
         let solver = Solver::new(&program).stopped_after(MOST_STEPS);
-        Some(Program { near, solver })
+        Some(Program { near, solver, stage })
     }
 
     /// The history that the program puts farthest out along an axis; `None` where the solver's point is no number.
@@ -217,6 +244,7 @@ impl<'a> Program<'a> {
         let mut solver = self.solver.clone();
         let last = self.near.at_knot(self.near.knots.len() - 1, axis);
         let mut search = solver.begin(&[(last, -side)]);
+        let far = self.stage.far;
         let mut farthest: Option<Vec<f64>> = None;
         let mut n_settled = 0;
         // The last steps may be lost in rounding, so that the last point of finite numbers counts.
@@ -226,8 +254,13 @@ impl<'a> Program<'a> {
                 break;
             }
             let gained = farthest.as_ref().map_or(f64::INFINITY, |before| (point[last] - before[last]).abs());
-            n_settled = if gained < SETTLED * point[last].abs() { n_settled + 1 } else { 0 };
+            n_settled = if gained < SETTLED * point[last].abs().max(far) { n_settled + 1 } else { 0 };
+            let is_corrected =
+                self.stage.correction.is_some() && side * point[last] > -GIVEN_UP * far && self.near.keeps_rows(&point);
             farthest = Some(point);
+            if is_corrected {
+                break;
+            }
         }
         farthest.map(|point| self.near.moved(&point))
     }
