@@ -14,7 +14,7 @@ use super::{
 };
 
 /// Least time between two knots, the stamps at which a candidate's motion may depart from the truth in another way than before.
-const KNOT_S: f64 = 0.79;
+const KNOT_S: f64 = 0.39;
 /// Time before the end within which knots may be closer: there the latest looks, one by one, decide where a history may end.
 const LATEST_S: f64 = 2.0;
 /// Least time between two knots there. Closer ones would leave wheels hardly any time to change their speed.
