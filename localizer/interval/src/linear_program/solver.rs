@@ -52,9 +52,8 @@ struct Rows {
     /// Variable and coefficient of each term of each row.
     variables: Vec<u32>,
     coefficients: Vec<f64>,
-    /// For each row and each of its terms: where the products of its coefficient with those of all terms up to itself have their places in the factor's
-    /// matrix. A run is the first place, and the number of products whose places follow each other from there on.
-    runs: Vec<[u32; 2]>,
+    /// For each row and each of its terms: the places in the factor's matrix of the products of its coefficient with those of all terms up to itself.
+    places: Vec<u32>,
 }
 
 /// What there is of a row besides its terms.
@@ -80,14 +79,9 @@ impl Solver {
         for head in &rows.heads {
             let members = &rows.variables[head.terms.clone()];
             for (at, &a) in members.iter().enumerate() {
-                let mut next = 0;
-                for (idx, &b) in members[..=at].iter().enumerate() {
-                    let position = factor.position(a as usize, b as usize, next);
-                    match rows.runs.last_mut().filter(|_| idx > 0 && position == next) {
-                        Some([_, length]) => *length += 1,
-                        None => rows.runs.push([position as u32, 1]),
-                    }
-                    next = position + 1;
+                for &b in &members[..=at] {
+                    let guess = rows.places.last().map_or(0, |&last| last as usize + 1);
+                    rows.places.push(factor.position(a as usize, b as usize, guess) as u32);
                 }
             }
         }
@@ -405,18 +399,14 @@ impl State {
         for (&at, x) in solver.diagonal.iter().zip(&self.x) {
             numbers[at] += x.stiffness();
         }
-        let mut runs = solver.rows.runs.iter();
+        let mut places = solver.rows.places.as_slice();
         for (head, stiffness) in solver.rows.heads.iter().zip(&present.stiffnesses) {
             let coefficients = &solver.rows.coefficients[head.terms.clone()];
             for (at, a) in coefficients.iter().enumerate() {
-                let (stiffened, mut left) = (stiffness * a, &coefficients[..=at]);
-                while !left.is_empty() {
-                    let Some(&[first, length]) = runs.next() else { break };
-                    let (these, others) = left.split_at(length as usize);
-                    let numbers = &mut numbers[first as usize..][..these.len()];
-                    numbers.iter_mut().zip(these).for_each(|(number, b)| *number += stiffened * b);
-                    left = others;
-                }
+                let stiffened = stiffness * a;
+                let (these, others) = places.split_at(at + 1);
+                these.iter().zip(coefficients).for_each(|(&place, b)| numbers[place as usize] += stiffened * b);
+                places = others;
             }
         }
         solver.factor.factorise();
