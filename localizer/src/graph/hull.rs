@@ -57,9 +57,15 @@ impl Hull {
     }
 
     /// What makes the widths of the bounds, in the order in which they were asked for.
-    pub fn width_parts(&self) -> Vec<WidthParts> {
+    pub(super) fn width_parts(&self) -> Vec<WidthParts> {
         let sides = self.shares.chunks_exact(2).filter_map(|sides| Some([sides[0].as_ref()?, sides[1].as_ref()?]));
         sides.map(|sides| WidthParts::new(&self.related, sides)).collect()
+    }
+
+    /// What makes the widths of the bounds of a pose, whose coordinates have to be the first three quantities that were asked for.
+    pub fn pose_width(&self) -> Option<[WidthParts; 3]> {
+        let mut parts = self.width_parts().into_iter();
+        Some([parts.next()?, parts.next()?, parts.next()?])
     }
 
     /// The quantities whose bounds are asked for.

@@ -27,6 +27,9 @@ const APART_S: f64 = 0.7;
 /// The same for a key frame that has no reading, or whose readings show nothing but the map: their rows tell little more than the box of the pose.
 const APART_ON_MAP_S: f64 = 2.3;
 
+/// Widest heading of a pose in a linear program: what is not linear in the rows grows with the square of it.
+pub const WIDEST_RAD: f64 = 0.3;
+
 /// Box of a landmark's world x and y.
 pub type Place = [Interval; 2];
 
@@ -37,7 +40,7 @@ struct KeyFrame {
     stamp_s: f64,
     /// Box of the pose: as it was known when the key frame was made, narrowed since by bounds of the linear program.
     pose: PoseBox,
-    /// What the box was before it was narrowed, each with the stamp of the key frame that was the latest one then.
+    /// What the box was before it was narrowed, each with the time at which the bounds that narrowed it were known.
     wider: Vec<(f64, PoseBox)>,
     /// The reading that makes the pose's box, if it is of one.
     label: Option<BoxLabel>,
@@ -150,15 +153,14 @@ impl KeyFrames {
         })
     }
 
-    /// Narrows the poses among the quantities of which bounds are given, which follow from all key frames.
-    pub fn narrow(&mut self, bounds: &[(Variable, Interval)]) {
-        let Some(latest_s) = self.latest_s() else { return };
+    /// Narrows the poses among the quantities of which bounds are given, which follow from all key frames and from what was known at `known_s`.
+    pub fn narrow(&mut self, bounds: &[(Variable, Interval)], known_s: f64) {
         for &(variable, bound) in bounds {
             if let Variable::Pose(number, axis) = variable
                 && let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number)
             {
-                if frame.wider.last().is_none_or(|(narrowed_s, _)| *narrowed_s != latest_s) {
-                    frame.wider.push((latest_s, frame.pose));
+                if frame.wider.last().is_none_or(|(narrowed_s, _)| *narrowed_s != known_s) {
+                    frame.wider.push((known_s, frame.pose));
                 }
                 frame.pose[axis] = frame.pose[axis].intersect(bound);
             }
@@ -181,6 +183,20 @@ impl KeyFrames {
         self.frames.back().map(|latest| latest.stamp_s)
     }
 
+    /// Box of the pose at the latest key frame.
+    pub fn latest_pose(&self) -> Option<PoseBox> {
+        self.frames.back().map(|latest| latest.pose)
+    }
+
+    /// The key frames if the pose at the latest one is within a box.
+    pub fn within(&self, pose: &PoseBox) -> KeyFrames {
+        let mut frames = self.clone();
+        if let Some(latest) = frames.frames.back_mut() {
+            latest.pose = latest.pose.intersect(pose);
+        }
+        frames
+    }
+
     /// Number of the latest key frame; 0 before the first one.
     pub fn latest_number(&self) -> usize {
         self.frames.back().map_or(0, |latest| latest.number)
@@ -193,8 +209,12 @@ impl KeyFrames {
     }
 
     /// Adds a key frame with a later stamp than all others. `pose` encloses the pose at its stamp. The way to it is not known yet. It takes the place of
-    /// the latest one where the key frame before that is near, and where one of these two has a reading of each source that the latest one has.
+    /// the latest one where the key frame before that is near, and where one of these two has a reading of each source that the latest one has. It also
+    /// does where the heading of the latest one is still too wide for the rows of a program.
     pub fn push(&mut self, stamp_s: f64, pose: PoseBox, reading: Option<FrameReading>) {
+        if self.latest_pose().is_some_and(|latest| latest[2].width() > WIDEST_RAD) {
+            self.frames.pop_back();
+        }
         let relates_more = self.frames.back().is_some_and(KeyFrame::relates_more_than_the_map);
         let apart_s = if relates_more { APART_S } else { APART_ON_MAP_S };
         let is_near =

@@ -32,7 +32,7 @@ pub(crate) use despite_wrong::{DespiteWrong, choices};
 pub use domain::{Constant, Domain, Variable};
 pub use flow::flow_rows;
 pub use hull::Hull;
-pub use key_frames::{FrameReading, KeyFrames, Place, Unlinked, Ways};
+pub use key_frames::{FrameReading, KeyFrames, Place, Unlinked, WIDEST_RAD, Ways};
 pub(crate) use over_readings::{PoseByRows, bounds_over, is_linear_over};
 pub use place::SeenPlace;
 pub use related::{BoxLabel, Readings, Related, RowLabel, Suspect};

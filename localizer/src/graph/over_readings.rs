@@ -9,7 +9,7 @@ use interval::{
 
 use crate::PoseBox;
 
-use super::{Domain, Hull, Related, Relations, Row, Stray, Variable, related::Origin};
+use super::{Domain, Hull, Related, Relations, Row, Stray, Variable, WIDEST_RAD, related::Origin};
 
 /// Bounds of quantities over all values that satisfy the rows of some readings, in the order in which they are asked for; `None` where the readings
 /// contradict each other or what is known. Reading number k is at the key frame with the number k, whose pose is within the given box; nothing else
@@ -64,8 +64,6 @@ pub(crate) struct PoseByRows {
     pub(crate) stray: Stray,
 }
 
-/// Widest heading of a box over which rows are made: what is not linear in the rows grows with the square of it.
-const WIDEST_RAD: f64 = 0.3;
 /// Greatest number of times that rows are made anew about what is left of a pose.
 const MOST_PASSES: usize = 6;
 /// Rows are made anew if some coordinate has become narrower than this share of its width.

@@ -5,15 +5,15 @@
 //! the heading of an older one, and then for the place of a landmark, all of which take turns. So the bounds apply from a number of wheel readings after
 //! the key frame on that does not depend on the computer's speed.
 
-use interval::{Interval, IntervalBox};
+use interval::Interval;
 
 use crate::{
-    RobotModel,
+    PoseUnion, RobotModel,
     graph::{Hull, KeyFrames, Related, Variable, WidthParts},
     reading::LandmarkId,
 };
 
-use super::{Localizer, naming::Intersected};
+use super::{Localizer, branches::Branches, naming::Intersected, ring::Slot};
 
 /// Number of wheel readings that are awaited after a key frame before its program is made, so that what wheels and gyroscope read at its stamp has
 /// arrived.
@@ -51,14 +51,16 @@ pub(super) struct Graph {
     width: Option<PoseWidth>,
 }
 
-/// Work on the linear program of the latest key frame: each stage is entered at a wheel reading of its own, so that no reading takes long.
+/// Work on the linear programs of the latest key frame: each stage is entered at a wheel reading of its own, so that no reading takes long.
 enum Work {
     /// Readings of the key frame's instant are awaited: the number of wheel readings since the key frame was taken in.
     Awaiting(usize),
-    /// The program is made, and not prepared for its solver yet.
-    Made(Box<Related>),
+    /// The program of the pose's next branch is to be made.
+    Next(Branches),
+    /// The program of a branch is made, and not prepared for its solver yet.
+    Made(Box<Related>, Branches),
     /// Poses are being bounded: the bounds so far.
-    Poses(Box<Hull>),
+    Poses(Box<Hull>, Branches),
     /// Landmarks are being bounded: the bounds so far.
     Landmarks(Box<Hull>),
 }
@@ -71,7 +73,7 @@ impl Graph {
     /// Forgets all key frames.
     pub(super) fn clear(&mut self) {
         self.frames.clear();
-        self.work = None;
+        (self.work, self.bounded_last, self.width) = (None, None, None);
     }
 
     /// Forgets the key frames after a stamp, since which an assumption may have been false. No way leads from those before it to later ones, but landmarks
@@ -81,9 +83,9 @@ impl Graph {
         self.work = None;
     }
 
-    /// Has the latest key frame's pose bounded once its readings have arrived, after the work on poses that has begun.
+    /// Has the latest key frame's pose bounded once its readings have arrived, after the work on poses if their programs are being solved.
     pub(super) fn await_readings(&mut self) {
-        if !matches!(self.work, Some(Work::Poses(_))) {
+        if !matches!(self.work, Some(Work::Poses(..) | Work::Next(_))) {
             self.work = Some(Work::Awaiting(0));
         }
     }
@@ -141,22 +143,19 @@ impl Localizer {
         self.graph.width.as_ref()
     }
 
-    /// Goes on with the work on the latest key frame's program: a fixed part of it at each wheel reading.
+    /// Goes on with the work on the latest key frame's programs: a fixed part of it at each wheel reading.
     pub(super) fn work_on_graph(&mut self) {
         let Some(work) = self.graph.work.take() else { return };
         self.graph.work = match work {
             Work::Awaiting(n_readings) if n_readings + 1 < AWAITED => Some(Work::Awaiting(n_readings + 1)),
-            Work::Awaiting(_) => self.related().map(Box::new).map(Work::Made),
-            Work::Made(related) => Some(Work::Poses(Box::new(Hull::new(*related, self.graph.wanted_poses())))),
-            Work::Poses(mut hull) => {
-                if hull.advance() {
-                    // A key frame that was made meanwhile has its turn.
-                    let next = self.graph.frames.unlinked().map(|_| Work::Awaiting(0));
-                    self.apply(*hull).and_then(|hull| next.or_else(|| self.go_on_with_landmarks(hull)))
-                } else {
-                    Some(Work::Poses(hull))
-                }
-            }
+            Work::Awaiting(_) => made_next(self.branches()),
+            Work::Next(branches) => made_next(branches),
+            Work::Made(related, branches) => Some(Work::Poses(Box::new(branches.hull(*related)), branches)),
+            Work::Poses(mut hull, mut branches) => match hull.advance() {
+                false => Some(Work::Poses(hull, branches)),
+                true if branches.take(*hull) => self.go_on_after(branches),
+                true => Some(Work::Next(branches)),
+            },
             Work::Landmarks(mut hull) => {
                 if hull.advance() {
                     self.narrow_landmarks(&hull);
@@ -168,12 +167,30 @@ impl Localizer {
         };
     }
 
-    /// The program of all key frames, with what has been read and learnt by now; `None` where a quantity of it is not bounded.
-    pub(super) fn related(&mut self) -> Option<Related> {
+    /// The branches of the latest key frame's pose, of each of which a program is made of what has been read and learnt by now.
+    pub(super) fn branches(&mut self) -> Branches {
         self.learn_ways();
         self.graph.frames.know_gyro(self.fixes.as_ref().and_then(|fixes| fixes.corners()).unwrap_or_default());
-        let known = self.landmarks();
-        self.graph.frames.latest().related(&known).ok()
+        let wanted = self.graph.wanted_poses();
+        let frames = self.graph.frames.latest().into_owned();
+        let slot = frames.latest_s().and_then(|stamp_s| self.ring.at(stamp_s));
+        let union = slot.map_or_else(PoseUnion::default, Slot::merged);
+        Branches::new(frames, (self.now_s, self.landmarks()), wanted, &union)
+    }
+
+    /// Applies the bounds by the programs of all branches. Returns what is to be done then.
+    fn go_on_after(&mut self, branches: Branches) -> Option<Work> {
+        if branches.poses().is_empty() {
+            self.note_contradiction(Intersected::Known, branches.into_whole());
+            self.begin_doubt(None);
+            return None;
+        }
+        // A key frame that was made meanwhile has its turn.
+        let next = self.graph.frames.unlinked().map(|_| Work::Awaiting(0));
+        if !self.apply(&branches) {
+            return None;
+        }
+        next.or_else(|| self.go_on_with_landmarks(branches.into_only()?))
     }
 
     /// The work on the landmarks whose turn it is, by the program by which poses were bounded.
@@ -191,35 +208,28 @@ impl Localizer {
         self.memories().filter(|memory| memory.learns_landmarks()).for_each(|memory| memory.narrow(&bounds));
     }
 
-    /// Brings the bounds of poses back to the stored pose of their key frame. Returns the program for further bounds, or `None` where it contradicts what
-    /// is known.
-    fn apply(&mut self, hull: Hull) -> Option<Hull> {
-        let bounds = hull.bounds().unwrap_or_default();
-        let &[x, y, heading, ..] = bounds.as_slice() else {
-            self.note_contradiction(Intersected::Known, Some(hull.into_related()));
-            self.begin_doubt(None);
-            return None;
-        };
-        let wanted: Vec<Variable> = hull.wanted().collect();
+    /// Brings the bounds of poses back to the stored pose of their key frame. Returns whether they agree with what is known.
+    fn apply(&mut self, branches: &Branches) -> bool {
         // Another key frame may have taken the place of the one that was bounded.
-        let number = wanted.first().and_then(|variable| variable.frame());
-        let Some(stamp_s) = number.and_then(|number| self.graph.frames.stamp_s(number)) else { return Some(hull) };
-        let parts = hull.width_parts();
-        if let [x_m, y_m, heading_rad, ..] = parts.as_slice() {
-            let [x_m, y_m, heading_rad] = [x_m, y_m, heading_rad].map(WidthParts::clone);
+        let Some(stamp_s) = branches.number().and_then(|number| self.graph.frames.stamp_s(number)) else { return true };
+        if let Some([x_m, y_m, heading_rad]) = branches.only().and_then(Hull::pose_width) {
             self.graph.width = Some(PoseWidth { stamp_s, x_m, y_m, heading_rad });
         }
-        let narrower: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
-        self.graph.frames.narrow(&narrower);
-        let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return Some(hull) };
-        slot.related = Some(IntervalBox::from([x, y, heading]));
+        self.graph.frames.narrow(&branches.bounds(), branches.known_s());
+        let Some(slot) = self.ring.iter_mut().find(|slot| slot.stamp_s == stamp_s) else { return true };
+        slot.related = Some(branches.poses());
         if self.replay_all(stamp_s) {
-            return None;
+            return false;
         }
         self.restart_integral();
         self.predict();
-        Some(hull).filter(|_| !self.is_doubted())
+        !self.is_doubted()
     }
+}
+
+/// The work on the program of the next branch of which one can be made.
+fn made_next(mut branches: Branches) -> Option<Work> {
+    branches.next_program().map(|related| Work::Made(Box::new(related), branches))
 }
 
 #[cfg(test)]

@@ -18,12 +18,14 @@ const MOST: usize = 4;
 pub(super) struct Branches {
     /// All key frames as they were when the work began.
     frames: KeyFrames,
-    /// The places of landmarks that were known then.
-    known: Vec<(LandmarkId, Place)>,
+    /// The time at which it began, and the places of landmarks that were known then.
+    known: (f64, Vec<(LandmarkId, Place)>),
     /// The quantities to be bounded, those of the latest key frame's pose first.
     wanted: Vec<Variable>,
     /// The branches whose programs are not made yet.
     left: Vec<PoseBox>,
+    /// Whether there is a single program, about the whole box of the key frame's pose.
+    is_whole: bool,
     /// The programs that are solved.
     solved: Vec<Hull>,
 }
@@ -44,24 +46,22 @@ impl Branches {
     /// The programs for the quantities `wanted` of all key frames, about the branches of a union that holds the latest one's pose.
     pub(super) fn new(
         frames: KeyFrames,
-        known: Vec<(LandmarkId, Place)>,
+        known: (f64, Vec<(LandmarkId, Place)>),
         wanted: Vec<Variable>,
         union: &PoseUnion,
     ) -> Branches {
-        let is_wide = frames.latest_pose().is_none_or(|pose| pose[2].width() > WIDEST_RAD);
         let pose = frames.latest_pose().unwrap_or(PoseBox::EMPTY);
-        let left = match for_programs(&union.common(&PoseUnion::single(pose))) {
-            Some(branches) if branches.len() > 1 => branches,
-            _ if is_wide => Vec::new(),
-            _ => vec![pose],
-        };
-        Branches { frames, known, wanted, left, solved: Vec::new() }
+        let is_wide = pose[2].width() > WIDEST_RAD;
+        let branches = for_programs(&union.common(&PoseUnion::single(pose))).unwrap_or_default();
+        let is_whole = branches.len() < 2 && !is_wide;
+        let left = if is_whole { vec![pose] } else { branches };
+        Branches { frames, known, wanted, left, is_whole, solved: Vec::new() }
     }
 
     /// The program of the next branch; `None` where a quantity of it is not bounded.
     pub(super) fn next_program(&mut self) -> Option<Related> {
         let branch = self.left.pop()?;
-        self.frames.within(&branch).related(&self.known).ok()
+        self.frames.within(&branch).related(&self.known.1).ok()
     }
 
     /// No bounds yet of the quantities by the program of a branch.
@@ -73,6 +73,11 @@ impl Branches {
     pub(super) fn take(&mut self, hull: Hull) -> bool {
         self.solved.push(hull);
         self.left.is_empty()
+    }
+
+    /// The time at which all that the programs rely on was known.
+    pub(super) fn known_s(&self) -> f64 {
+        self.known.0
     }
 
     /// Number of the key frame whose pose the programs bound.
@@ -117,8 +122,9 @@ impl Branches {
         self.solved.pop().filter(|_| self.solved.is_empty())
     }
 
-    /// The program of a pose of a single branch.
-    pub(super) fn into_first(mut self) -> Option<Related> {
-        self.solved.pop().filter(|_| self.solved.is_empty()).map(Hull::into_related)
+    /// The program about the whole box of the key frame's pose, if there is a single one. Only its rows and boxes say by themselves which bounds
+    /// contradict each other.
+    pub(super) fn into_whole(mut self) -> Option<Related> {
+        self.solved.pop().filter(|_| self.is_whole).map(Hull::into_related)
     }
 }

@@ -118,7 +118,7 @@ impl Localizer {
                 _ => predicted.clone(),
             };
             let contracted = match (failed, &slot.related) {
-                (Failed::Nothing, Some(related)) => contracted.common(&PoseUnion::single(*related)),
+                (Failed::Nothing, Some(related)) => contracted.common(related),
                 _ => contracted,
             };
             if contracted.is_empty() && !(predicted.is_empty() && failed != Failed::Nothing) {

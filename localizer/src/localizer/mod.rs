@@ -5,6 +5,7 @@ mod account;
 mod after_turn;
 mod base_clock;
 mod bounding;
+mod branches;
 mod carrying;
 mod constraining;
 mod doubt;

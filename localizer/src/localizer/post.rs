@@ -223,7 +223,7 @@ impl Localizer {
         while !hull.advance() {}
         let Some(bounds) = hull.bounds() else { return false };
         let bounds: Vec<(Variable, Interval)> = wanted.into_iter().zip(bounds).collect();
-        self.graph.frames.narrow(&bounds);
+        self.graph.frames.narrow(&bounds, self.now_s);
         self.memories().for_each(|memory| memory.narrow(&bounds));
         true
     }

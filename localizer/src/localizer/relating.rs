@@ -6,12 +6,12 @@ use interval::Interval;
 
 use crate::{
     PoseBox, PoseUnion,
-    graph::{FrameReading, Relations, Stray, Unlinked, Ways},
+    graph::{FrameReading, Relations, Stray, Unlinked, WIDEST_RAD, Ways},
     method::Method,
     reading::Shown,
 };
 
-use super::{Localizer, bounding::Graph, ring::Slot};
+use super::{Localizer, bounding::Graph, branches, ring::Slot};
 
 /// Least time from a key frame to one without a reading or with one of the map, and between two key frames of a drive that is kept as a whole.
 const PERIOD_S: f64 = 1.0;
@@ -26,8 +26,6 @@ const FAR_M: f64 = 0.4;
 const FAR_RAD: f64 = 0.2;
 /// Least time between two stamps that are not the same.
 const SLACK_S: f64 = 1e-6;
-/// Widest heading of a key frame: what is not linear in the rows grows with the square of it.
-const WIDEST_RAD: f64 = 0.3;
 
 /// A reading that relates something, for the graph.
 pub(super) struct Relating {
@@ -64,7 +62,10 @@ impl Localizer {
     pub(super) fn relate(&mut self, stamp_s: f64, posterior: &PoseUnion, reading: Option<Relating>) {
         let reading = reading.filter(|reading| reading.relations.is_worth_a_key_frame());
         let pose = posterior.hull();
-        let is_known = !pose.is_empty() && pose[2].width() <= WIDEST_RAD;
+        let is_narrow = pose[2].width() <= WIDEST_RAD;
+        // Programs about the branches of a pose that is the latest one do with narrow headings of the branches.
+        let is_in_branches = !self.graph.frames.keeps_all() && branches::for_programs(posterior).is_some();
+        let is_known = !pose.is_empty() && (is_narrow || is_in_branches);
         let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;
         if !is_known || !is_believed {
             return;
@@ -78,7 +79,7 @@ impl Localizer {
             self.graph.frames.push(stamp_s, pose, reading);
             self.graph.frames.label_latest(self.ring.at(stamp_s).and_then(Slot::label));
             self.graph.await_readings();
-        } else if let Some(reading) = reading
+        } else if let Some(reading) = reading.filter(|_| is_narrow)
             && !self.graph.frames.join(stamp_s, reading.clone())
         {
             self.relate_late(stamp_s, pose, reading);

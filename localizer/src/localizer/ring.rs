@@ -19,8 +19,8 @@ pub(super) struct Slot {
     pub(super) unions: Vec<PoseUnion>,
     /// The constraint by an image at this stamp; `None` for an anchor, which is a slot without an image.
     pub(super) constraint: Option<Constraint>,
-    /// Box of the pose at the slot's stamp by the graph of key frames, if nothing failed.
-    pub(super) related: Option<PoseBox>,
+    /// The poses at the slot's stamp that the graph of key frames leaves, if nothing failed.
+    pub(super) related: Option<PoseUnion>,
     /// Witnesses of the slot's image, which are the things by whose fault alone it may be false: markers that it shows, or the image itself.
     pub(super) witnesses: Vec<Witness>,
     /// Name of the device whose reading the constraint is of; empty for an anchor.
@@ -59,10 +59,12 @@ pub(super) fn merged(unions: &[PoseUnion]) -> PoseUnion {
 
 /// The branches of several pose unions, in which branches that overlap are replaced by their hull.
 pub(super) fn joined(unions: &[PoseUnion]) -> PoseUnion {
-    let mut branches = merged(unions).branches;
-    if unions.len() == 1 {
-        return PoseUnion { branches };
-    }
+    let branches = merged(unions).branches;
+    PoseUnion { branches: if unions.len() == 1 { branches } else { without_overlaps(branches) } }
+}
+
+/// Boxes of poses, in which each that overlaps a later one is replaced by the hull of both.
+pub(super) fn without_overlaps(mut branches: Vec<PoseBox>) -> Vec<PoseBox> {
     let mut index = 0;
     while index < branches.len() {
         match (index + 1..branches.len()).find(|&other| branches[index].overlaps(&branches[other])) {
@@ -73,7 +75,7 @@ pub(super) fn joined(unions: &[PoseUnion]) -> PoseUnion {
             None => index += 1,
         }
     }
-    PoseUnion { branches }
+    branches
 }
 
 /// The slots (stored pose unions) of the last `keep_s` seconds, in the order of their stamps.

@@ -91,9 +91,10 @@ fn what_is_forgotten_takes_back_what_it_told_of_the_poses_before_it() {
         frames.push(stamp_s, pose, None);
         let half = 0.1 - 0.01 * (1.0 + stamp_s);
         // With each key frame the heading of the first one becomes known better, and with the last two that of the second one.
-        frames.narrow(&[(Variable::Pose(0, 2), Interval::centred(0.0, half))]);
+        let known_s = frames.latest_s().unwrap();
+        frames.narrow(&[(Variable::Pose(0, 2), Interval::centred(0.0, half))], known_s);
         if stamp_s >= 6.0 {
-            frames.narrow(&[(Variable::Pose(1, 2), Interval::centred(0.0, half))]);
+            frames.narrow(&[(Variable::Pose(1, 2), Interval::centred(0.0, half))], known_s);
         }
     }
     frames.forget_since(8.9);
@@ -143,7 +144,7 @@ fn hundreds_of_seconds_on_few_key_frames_keep_the_truth_and_are_narrower_than_wh
                 );
             }
             let narrower: Vec<_> = (0..3).map(|axis| (Variable::Pose(number, axis), bounds[axis])).collect();
-            frames.narrow(&narrower);
+            frames.narrow(&narrower, stamp_s);
             widths_m.push(bounds[0].width().max(bounds[1].width()));
         }
         let last_m = widths_m[widths_m.len() - 1];

@@ -83,7 +83,7 @@ fn key_frames_that_are_made_while_another_is_worked_on_are_related_by_their_ways
         localizer.graph.frames.push(stamp_s, pose, Some(reading));
         localizer.graph.await_readings();
     }
-    let related = localizer.related().unwrap();
+    let related = localizer.branches().next_program().unwrap();
     assert!(localizer.graph.frames.unlinked().is_none());
     // Beside the three rows of the readings there are those of both ways.
     let of_way = |span_s: [f64; 2]| {
