@@ -127,10 +127,8 @@ impl Localizer {
         if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, wheels, reach) {
             stray.radians = stray.radians.min(turn_rad);
         }
-        let around_s = [stamp_s - error_s, stamp_s + error_s];
-        let is_believed = around_s[0] >= self.doubts.ended_s && !self.slip.covers(around_s);
-        let travel_m = || self.wheels.greatest_travel_about(stamp_s, error_s, wheels, reach);
-        if let Some(travel_m) = is_believed.then(travel_m).flatten() {
+        let is_believed = |span_s: [f64; 2]| span_s[0] >= self.doubts.ended_s && !self.slip.covers(span_s);
+        if let Some(travel_m) = self.wheels.greatest_travel_about(stamp_s, error_s, wheels, reach, &is_believed) {
             stray.metres = stray.metres.min(travel_m);
         }
         stray

@@ -42,7 +42,7 @@ impl WheelHistory {
     }
 
     /// Greatest distance, by the wheels, between the robot's position at a stamp and that at any instant that is at most `within_s` away from it;
-    /// `None` where the wheel readings in memory do not surround these instants.
+    /// `None` where the wheel readings in memory do not surround these instants. Spans of time for which `is_believed` says no tell nothing.
     ///
     /// The axle's middle travels no farther than its greatest speed allows, and slips aside by what is declared. As the side slip acts along the
     /// heading of each moment, it counts once more for the turn in that time, by summation by parts.
@@ -52,10 +52,11 @@ impl WheelHistory {
         within_s: f64,
         wheels: &WheelModel,
         reach: &Reach,
+        is_believed: &dyn Fn([f64; 2]) -> bool,
     ) -> Option<f64> {
         let around_s = [stamp_s - within_s, stamp_s + within_s];
+        let travel_m = within_s * self.greatest_speed_over(around_s, wheels, reach, is_believed)?;
         let wheels = &*self.model_over(around_s, wheels);
-        let travel_m = within_s * self.greatest_speed_over(around_s, wheels, reach)?;
         let rolled_m = (travel_m + wheels.slip_floor_m) / (1.0 - wheels.slip_ratio).max(0.0);
         let aside_m = wheels.side_slip_ratio * rolled_m + wheels.windows(within_s) * wheels.side_slip_floor_m;
         Some((travel_m + aside_m * (1.0 + reach.turn_rate_rad_per_s * within_s)) * ABOVE)
@@ -64,17 +65,26 @@ impl WheelHistory {
     /// Greatest speed of the axle's middle at any instant of a span, by the wheel readings around it.
     ///
     /// Over two readings the mean speed is known; the least bound over pairs of readings around the span is taken.
-    fn greatest_speed_over(&self, [from_s, to_s]: [f64; 2], wheels: &WheelModel, reach: &Reach) -> Option<f64> {
+    fn greatest_speed_over(
+        &self,
+        [from_s, to_s]: [f64; 2],
+        wheels: &WheelModel,
+        reach: &Reach,
+        is_believed: &dyn Fn([f64; 2]) -> bool,
+    ) -> Option<f64> {
         let last_before = self.samples.partition_point(|sample| sample.time_s <= from_s).checked_sub(1)?;
         let first_after = self.samples.partition_point(|sample| sample.time_s < to_s);
         let by_readings = |aside: usize| {
             let (first, last) = (last_before.checked_sub(aside)?, first_after + aside);
             let (start, end) = (self.samples.get(first)?, self.samples.get(last)?);
+            let (span_s, known_s) = (end.time_s - start.time_s, [start.time_s, end.time_s]);
+            if !is_believed(known_s) {
+                return None;
+            }
+            let wheels = &*self.model_over(known_s, wheels);
             let mut integral = WheelIntegral::new(*start);
             let later = self.samples.range(first + 1..=last);
             later.for_each(|sample| integral.advance(sample, KnownTurns::default(), wheels, reach));
-            let span_s = end.time_s - start.time_s;
-            let known_s = [start.time_s, end.time_s];
             let change = greatest_departure([from_s, to_s], known_s, reach.acceleration_m_per_s2);
             (span_s > 0.0).then(|| integral.travel_of_middle(wheels).magnitude() / span_s + change)
         };
@@ -144,7 +154,7 @@ mod tests {
             let history = drive.history(period_s, draw.between(0.0, period_s));
             let within_s = draw.size(1e-4, 0.05);
             let stamp_s = draw.between(-0.05, 0.05);
-            let greatest_m = history.greatest_travel_about(stamp_s, within_s, &wheels, &reach).unwrap();
+            let greatest_m = history.greatest_travel_about(stamp_s, within_s, &wheels, &reach, &|_| true).unwrap();
             let gone_m = |at_s: f64| (drive.travel_m(at_s) - drive.travel_m(stamp_s)).abs();
             let truly_m = gone_m(stamp_s - within_s).max(gone_m(stamp_s + within_s));
             assert!(truly_m <= greatest_m, "round {round}: {truly_m} of {greatest_m}");
@@ -208,7 +218,8 @@ mod tests {
         let history = Straight { speed_m_per_s: [0.2, 0.0], metres_per_tick: 1e-4, slip_ratio: 0.0 }.history(0.01, 0.0);
         let wheels =
             WheelModel { radius_m: [Interval::point(0.05); 2], ticks_per_turn: 3_141.592_653_589_793, ..wheels() };
-        let ahead_m = |wheels: &WheelModel| history.greatest_travel_about(0.003, 0.0005, wheels, &reach()).unwrap();
+        let ahead_m =
+            |wheels: &WheelModel| history.greatest_travel_about(0.003, 0.0005, wheels, &reach(), &|_| true).unwrap();
         let straight_m = ahead_m(&WheelModel { side_slip_ratio: 0.0, side_slip_floor_m: 0.0, ..wheels.clone() });
         // By hand, over readings 10, 30, … 210 ms apart: a tick, 2 % and 0.2 mm, for example over 30 ms 6 mm and 0.1 + 0.122 + 0.2 mm, and 1.53 m/s²
         // times 8 ms; the least is near 0.225 m/s.
@@ -216,7 +227,12 @@ mod tests {
         // The side slip is 0.2 mm and 2 % of what is rolled, and is turned by 2 mrad.
         let aside_m = ahead_m(&wheels) - straight_m;
         assert!((aside_m - 0.0002 - 0.02 * 0.000_32).abs() < 1e-6 && aside_m > 0.000_206, "{aside_m}");
-        let at = |stamp_s: f64| history.greatest_travel_about(stamp_s, 0.0005, &wheels, &reach());
+        let at = |stamp_s: f64| history.greatest_travel_about(stamp_s, 0.0005, &wheels, &reach(), &|_| true);
         assert!(at(0.3999).is_none() && at(-0.3999).is_none() && at(0.3994).is_some());
+        // Where only the readings from 0 s on are believed, those over 10 ms tell: a tick, 2 % and 0.2 mm of 2 mm, and what the speed changes by.
+        let since_0 = |[from_s, _]: [f64; 2]| from_s >= -1e-9;
+        let late_m = history.greatest_travel_about(0.003, 0.0005, &wheels, &reach(), &since_0).unwrap();
+        assert!(late_m > straight_m + aside_m + 0.0005 * 0.01, "{late_m}");
+        assert!(history.greatest_travel_about(0.003, 0.0005, &wheels, &reach(), &|_| false).is_none());
     }
 }
