@@ -7,8 +7,8 @@
 //!   else holds.
 //! - *Markers*: some of the markers seen lately are not where the map has them. Everything else holds, other markers in the same images included. There
 //!   is one such hypothesis for each smallest set of markers without which nothing contradicts anything.
-//! - *Motion*: wheels or flow sensor have broken their bounds since half a second before the contradiction, and perhaps still do. Since then reach (the
-//!   robot's physical limits of motion) alone bounds the motion. If that explains nothing, longer times are asked.
+//! - *Motion*: wheels or flow sensor have broken their bounds since half a second or more before the last reading that agreed, and perhaps still do.
+//!   Since then reach (the robot's physical limits of motion) alone bounds the motion. If that explains nothing, longer times are asked.
 //! - *Earlier motion*: wheels or flow sensor broke their bounds within one span of half a second before that, and have kept them since.
 //! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the latest
 //!   such reading is believed.
@@ -97,7 +97,10 @@ impl Localizer {
         let renewed_s = self.unlearn_deeper();
         let corrections = self.markers_that_explain(ended_s, contradicting_s);
         let agreeing = contradicting_s.map_or(self.ring.last(), |stamp_s| self.ring.earlier_than(stamp_s));
-        let motion = self.motion_that_explains(agreeing.map_or(self.now_s, |slot| slot.stamp_s), least_s);
+        let agreed_s = agreeing.map_or(self.now_s, |slot| slot.stamp_s);
+        // From here on no heading is carried from an earlier fix to a later stamp: between them the motion may have been false.
+        self.hypotheses = vec![Hypothesis::new(Failed::Memory)];
+        let motion = self.motion_that_explains(agreed_s, least_s);
         self.doubts.span_s = motion.span_s;
 
         // The hypothesis of a false reading is followed from that reading on, or from the first constraint on that relied on something just unlearnt,
