@@ -50,6 +50,8 @@ struct KeyFrame {
     readings: Vec<FrameReading>,
     /// Whether the way to it has been asked for.
     is_linked: bool,
+    /// Stamp of the latest key frame when the way to it was last joined of two, over the boxes that poses had then.
+    joined_s: Option<f64>,
     /// The greatest error of the flow sensor's place by its counts, and the stamps of the readings that the counts are of.
     place: Option<(f64, [f64; 2])>,
 }
@@ -167,10 +169,14 @@ impl KeyFrames {
         }
     }
 
-    /// Forgets the key frames after a stamp, and what followed from them for the poses of those before.
+    /// Forgets the key frames after a stamp, and what followed from them for the poses of those before, and for the ways that were joined over the boxes
+    /// of these poses.
     pub fn forget_since(&mut self, since_s: f64) {
         self.frames.retain(|frame| frame.stamp_s <= since_s);
         for frame in &mut self.frames {
+            if frame.joined_s.take_if(|joined_s| *joined_s > since_s).is_some() {
+                frame.link = None;
+            }
             let n_before = frame.wider.partition_point(|(narrowed_s, _)| *narrowed_s <= since_s);
             if let Some((_, pose)) = frame.wider.drain(n_before..).next() {
                 frame.pose = pose;
@@ -226,9 +232,14 @@ impl KeyFrames {
             }
         }
         self.push_beside(stamp_s, pose, reading);
-        while !self.keeps_all && self.frames.iter().map(KeyFrame::counts).sum::<usize>() > MOST {
+        while self.is_too_many() {
             self.drop_one();
         }
+    }
+
+    /// Whether there are more key frames than are kept.
+    fn is_too_many(&self) -> bool {
+        !self.keeps_all && self.frames.iter().map(KeyFrame::counts).sum::<usize>() > MOST
     }
 
     /// Adds a key frame with a later stamp than all others, however near to them.
@@ -245,6 +256,7 @@ impl KeyFrames {
             link,
             readings,
             is_linked: false,
+            joined_s: None,
             place,
         });
     }
@@ -317,6 +329,11 @@ impl KeyFrames {
             self.frames[at].place = place.map(|[_, last]| last);
             self.frames[at].link = Some(Link::Read(Read { way, flow, shares_error, scale_change }));
         }
+        // The way on from it may be by counts of other readings.
+        let place = self.frames[at].place.map(|(_, readings_s)| readings_s);
+        if let Some(Link::Read(next)) = self.frames.get_mut(at + 1).and_then(|next| next.link.as_mut()) {
+            next.shares_error &= next.flow.as_ref().map(|flow| flow.end_readings_s[0]) == place;
+        }
         let frame = &mut self.frames[at];
         frame.is_linked = true;
         frame.readings.iter_mut().zip(strays).for_each(|(reading, &stray)| reading.stray = stray);
@@ -358,7 +375,9 @@ impl KeyFrames {
             }
             _ => None,
         };
-        self.frames[at + 1].link = link;
+        let after = &mut self.frames[at + 1];
+        after.joined_s = Some(latest_s).filter(|_| link.is_some());
+        after.link = link;
         self.frames.remove(at);
     }
 }

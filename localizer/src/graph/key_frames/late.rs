@@ -6,7 +6,7 @@ use crate::PoseBox;
 
 use super::{
     super::link::{Link, Read},
-    FrameReading, KeyFrame, KeyFrames, MOST, Ways, places,
+    FrameReading, KeyFrame, KeyFrames, Ways, places,
 };
 
 /// A place between two key frames.
@@ -63,9 +63,20 @@ impl KeyFrames {
         let readings = vec![FrameReading { number, ..reading }];
         let link = link(first, to.is_some());
         let wider = Vec::new();
-        let frame = KeyFrame { number, stamp_s, pose, wider, label: None, link, readings, is_linked: true, place };
+        let frame = KeyFrame {
+            number,
+            stamp_s,
+            pose,
+            wider,
+            label: None,
+            link,
+            readings,
+            is_linked: true,
+            joined_s: None,
+            place,
+        };
         self.frames.insert(gap.at, frame);
-        if self.frames.len() > MOST && !self.keeps_all {
+        if self.is_too_many() {
             self.drop_one();
         }
         true

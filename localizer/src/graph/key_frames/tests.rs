@@ -49,6 +49,33 @@ fn a_key_frame_that_shows_the_map_alone_gives_way_for_two_seconds() {
     assert_eq!(stamps_of(&long, true).len(), MOST);
 }
 
+#[test]
+fn a_way_that_was_joined_over_boxes_which_are_taken_back_is_forgotten() {
+    let mut draw = Draw::new(20_261_129);
+    let drive = Drive::new(&mut draw, true, 4.0, 4);
+    let history = drive.history(true);
+    let mut frames = KeyFrames::new(&robot());
+    for (&stamp_s, truth) in drive.stamps_s.iter().zip(&drive.poses) {
+        frames.push_beside(stamp_s, IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], 0.1))), None);
+        let Unlinked { number, stamp_s: to_s, before, .. } = frames.unlinked().unwrap();
+        let way = before.and_then(|(from_s, _)| history.way(from_s, to_s, &wheels(), &reach()));
+        frames.link(number, way, None, &[]);
+    }
+    let links = |frames: &KeyFrames| frames.frames.iter().map(|frame| frame.link.is_some()).collect::<Vec<_>>();
+    let (n_frames, latest_s) = (frames.n_frames(), frames.latest_s().unwrap());
+    frames.drop_one();
+    assert_eq!(frames.n_frames(), n_frames - 1);
+    assert!(links(&frames)[1..].iter().all(|is_linked| *is_linked));
+    // What was learnt by the time of the latest key frame stays, and what was learnt later is taken back.
+    let mut kept = frames.clone();
+    kept.forget_since(latest_s);
+    assert_eq!(links(&kept), links(&frames));
+    let at = frames.frames.iter().position(|frame| frame.joined_s.is_some()).unwrap();
+    frames.forget_since(latest_s - 1e-6);
+    let left = links(&frames);
+    assert!(at < left.len() && !left[at] && left[1..].iter().filter(|is_linked| !**is_linked).count() == 1, "{left:?}");
+}
+
 /// A reading that shows things of the map.
 struct OfTheMap(Displaced);
 
