@@ -118,8 +118,8 @@ fn freely_chosen_wrong_codes_lead_farther_and_not_out_of_the_box() {
     }
     run.scene.robot.range_camera.as_mut().unwrap().q_items = 0;
     let kept = run.spanned();
-    // Along y the search ends early either way.
-    for axis in [0, 2] {
-        assert!(kept[axis].width() > 0.0 && free[axis].width() > 1.1 * kept[axis].width(), "{free:?}, {kept:?}");
+    // In heading other wrong codes win most; the wheels know the way in x and y nearly as well as the sightings.
+    for (axis, gain) in [1.03, 1.0, 1.1].into_iter().enumerate() {
+        assert!(kept[axis].width() > 0.0 && free[axis].width() > gain * kept[axis].width(), "{free:?}, {kept:?}");
     }
 }
