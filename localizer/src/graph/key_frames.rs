@@ -194,6 +194,11 @@ impl KeyFrames {
         self.frames.back().map(|latest| latest.pose)
     }
 
+    /// Whether the rows of the latest key frame can be made about several boxes that its pose may be in.
+    pub fn is_found_anew(&self) -> bool {
+        self.frames.back().is_some_and(|latest| latest.readings.iter().all(|one| one.relations.is_found_anew()))
+    }
+
     /// The key frames if the pose at the latest one is within a box.
     pub fn within(&self, pose: &PoseBox) -> KeyFrames {
         let mut frames = self.clone();

@@ -28,6 +28,12 @@ pub trait Relations: Send + Sync {
         false
     }
 
+    /// Whether quantities and rows are found anew each time, so that they can be made about several boxes that one pose may be in. They cannot where
+    /// something is kept from the first box on, such as which joint of the map a line shows.
+    fn is_found_anew(&self) -> bool {
+        false
+    }
+
     /// Whether enough is certain of what the reading shows for its rows to be worth a key frame.
     fn is_worth_a_key_frame(&self) -> bool {
         true

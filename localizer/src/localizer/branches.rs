@@ -1,5 +1,6 @@
 //! Branches of the latest key frame's pose. What is not linear in the rows of a program grows with the box of the pose, so that each branch of a pose
-//! union has a program of its own, and the pose is in the union of what the programs leave.
+//! union has a program of its own, and the pose is in the union of what the programs leave. Where a reading keeps what it found about one box of the
+//! pose, such as which joints it shows, there is one program about the whole box.
 
 use interval::{Interval, IntervalBox};
 
@@ -52,7 +53,8 @@ impl Branches {
     ) -> Branches {
         let pose = frames.latest_pose().unwrap_or(PoseBox::EMPTY);
         let is_wide = pose[2].width() > WIDEST_RAD;
-        let branches = for_programs(&union.common(&PoseUnion::single(pose))).unwrap_or_default();
+        let branches = for_programs(&union.common(&PoseUnion::single(pose))).filter(|_| frames.is_found_anew());
+        let branches = branches.unwrap_or_default();
         let is_whole = branches.len() < 2 && !is_wide;
         let left = if is_whole { vec![pose] } else { branches };
         Branches { frames, known, wanted, left, is_whole, solved: Vec::new() }

@@ -64,7 +64,9 @@ impl Localizer {
         let pose = posterior.hull();
         let is_narrow = pose[2].width() <= WIDEST_RAD;
         // Programs about the branches of a pose that is the latest one do with narrow headings of the branches.
-        let is_in_branches = !self.graph.frames.keeps_all() && branches::for_programs(posterior).is_some();
+        let is_found_anew = reading.as_ref().is_none_or(|reading| reading.relations.is_found_anew());
+        let is_in_branches =
+            is_found_anew && !self.graph.frames.keeps_all() && branches::for_programs(posterior).is_some();
         let is_known = !pose.is_empty() && (is_narrow || is_in_branches);
         let is_believed = !self.is_doubted() && stamp_s >= self.doubts.ended_s;
         if !is_known || !is_believed {

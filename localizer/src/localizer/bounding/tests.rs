@@ -20,6 +20,10 @@ impl Relations for Shows {
         self.0.iter().flat_map(of).collect()
     }
 
+    fn is_found_anew(&self) -> bool {
+        true
+    }
+
     fn stamp_error_s(&self) -> f64 {
         0.0
     }

@@ -29,6 +29,10 @@ impl Relations for AntennaAt {
         [0, 1].map(|axis| (position(axis), self.position_m[axis])).to_vec()
     }
 
+    fn is_found_anew(&self) -> bool {
+        true
+    }
+
     fn stamp_error_s(&self) -> f64 {
         self.stamp_error_s
     }

@@ -220,6 +220,10 @@ impl Relations for Sightings {
         !self.may_be_wrong || self.right().count() >= FEWEST_RIGHT
     }
 
+    fn is_found_anew(&self) -> bool {
+        true
+    }
+
     fn stamp_error_s(&self) -> f64 {
         self.sensor.camera.stamp_error_s
     }
