@@ -25,7 +25,7 @@ const SMOOTHED: usize = 15;
 const SMOOTHED_EVERY: usize = 2;
 /// Greatest number of coordinates of landmarks that are bounded with a key frame's program: those of two landmarks in the plane, or of one in space.
 /// What dropped key frames knew of a landmark is kept by its box alone: with one landmark in place of two, and key frames 0.4 s apart, the boxes of paper
-/// 3's loop were 62.6 mm wide over 195 s in place of 52.6 mm. A step of the loop's second half takes the localizer 1.3 ms on average.
+/// 3's loop were 62.6 mm wide over 195 s in place of 52.6 mm.
 const COORDINATES: usize = 4;
 
 /// What makes the widths of the pose's bounds at a key frame.
