@@ -7,9 +7,9 @@
 //!   else holds.
 //! - *Markers*: some of the markers seen lately are not where the map has them. Everything else holds, other markers in the same images included. There
 //!   is one such hypothesis for each smallest set of markers without which nothing contradicts anything.
-//! - *Motion*: wheels or flow sensor have broken their bounds since half a second or more before the last reading that agreed, and perhaps still do.
+//! - *Motion*: wheels or flow sensor have broken their bounds since 0.6 s or more before the last reading that agreed, and perhaps still do.
 //!   Since then reach (the robot's physical limits of motion) alone bounds the motion. If that explains nothing, longer times are asked.
-//! - *Earlier motion*: wheels or flow sensor broke their bounds within one span of half a second before that, and have kept them since.
+//! - *Earlier motion*: wheels or flow sensor broke their bounds within one span of 0.6 s before that, and have kept them since.
 //! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the latest
 //!   such reading is believed.
 //!

@@ -1,7 +1,7 @@
 //! Tests of the spans of motion that a doubt sets aside, by a robot that stands among equal rows and is pushed from one row to another.
 //!
 //! Ten times a second a reading tells how far the robot is from some row, which is what tiles on a floor tell. Within a tenth of a second the robot
-//! cannot get to the next row, so that it is there only if it was pushed while no reading came.
+//! cannot get to the next row, so that it is there only if it was pushed while no reading came, or while readings told nothing.
 
 #![allow(clippy::unwrap_used)]
 
@@ -27,6 +27,7 @@ const TOLD_S: f64 = 10.3;
 struct Rows {
     told: Vec<(f64, f64)>,
     gaps_s: Vec<[f64; 2]>,
+    vague_s: [f64; 2],
 }
 
 impl Method for Rows {
@@ -41,10 +42,11 @@ impl Method for Rows {
     fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
         let stamp_s = reading.measured_s();
         let told = self.told.iter().find(|(at_s, _)| (stamp_s - at_s).abs() < 1e-6);
-        let is_missing = |gap_s: &[f64; 2]| gap_s[0] + 1e-6 < stamp_s && stamp_s < gap_s[1] - 1e-6;
+        let is_within = |gap_s: &[f64; 2]| gap_s[0] + 1e-6 < stamp_s && stamp_s < gap_s[1] - 1e-6;
         let rows = match told {
             Some((_, y_m)) => vec![Interval::centred(*y_m, 0.05)],
-            None if self.gaps_s.iter().any(is_missing) => return None,
+            None if self.gaps_s.iter().any(is_within) => return None,
+            None if is_within(&self.vague_s) => vec![Interval::centred(0.0, 2.0)],
             None => (-5..=5).map(|row| Interval::centred(f64::from(row) * ROW_M, 0.01)).collect(),
         };
         Some(Constraint::new(self.name(), stamp_s, InRows(rows)))
@@ -69,9 +71,15 @@ impl Contractor<3> for InRows {
 /// A localizer after `until_s` of a robot that stands at the origin by its wheels. Readings are missing within the given times, and tell the row at the
 /// given times.
 fn localizer(gaps_s: &[[f64; 2]], told: &[(f64, f64)], until_s: f64) -> Localizer {
-    let reach = Reach { speed_m_per_s: SPEED_M_PER_S, turn_rate_rad_per_s: 0.1, acceleration_m_per_s2: 2.0 };
+    let rows = Rows { told: told.to_vec(), gaps_s: gaps_s.to_vec(), vague_s: [0.0; 2] };
+    localizer_by(rows, SPEED_M_PER_S, until_s)
+}
+
+/// A localizer after `until_s` of a robot that stands at the origin by its wheels, and is not faster than given.
+fn localizer_by(rows: Rows, speed_m_per_s: f64, until_s: f64) -> Localizer {
+    let reach = Reach { speed_m_per_s, turn_rate_rad_per_s: 0.1, acceleration_m_per_s2: 2.0 };
     let robot = RobotModel { reach, gyro: None, flow: None, ..robot() };
-    let methods: Vec<Box<dyn Method>> = vec![Box::new(Rows { told: told.to_vec(), gaps_s: gaps_s.to_vec() })];
+    let methods: Vec<Box<dyn Method>> = vec![Box::new(rows)];
     let map = Map::of_room([Interval::new(-5.0, 5.0); 2]);
     let mut localizer = Localizer::new(map, robot, methods, PoseBox::from([Interval::ZERO; 3]));
     go_on(&mut localizer, [0.0, until_s]);
@@ -111,6 +119,20 @@ fn a_push_two_seconds_before_it_shows_is_explained_by_its_own_span_of_motion() {
     let estimate = localizer.estimate();
     assert!(estimate.status == Status::Sound && estimate.pose.contains(at(ROW_M)), "{estimate:?}");
     assert!(estimate.pose.hull()[1].width() < 0.03, "{estimate:?}");
+}
+
+#[test]
+fn a_push_is_explained_whenever_it_began() {
+    // At 1.1 m/s the next row is 0.27 s away. The push lasts 0.3 s, in which two readings tell nothing, and each of them is a stored slot at which a
+    // span may begin or end.
+    for tenths in 0..20 {
+        let from_s = 7.7 + 0.1 * f64::from(tenths);
+        let rows = Rows { told: vec![(TOLD_S, ROW_M)], gaps_s: Vec::new(), vague_s: [from_s, from_s + 0.3] };
+        let localizer = localizer_by(rows, 1.1, TOLD_S);
+        assert!(followed(&localizer, Failed::EarlierMotion).is_some(), "pushed at {from_s} s");
+        assert!(localizer.estimate().pose.contains(at(ROW_M)), "pushed at {from_s} s");
+        assert_eq!(localizer.doubts.span_s, SPAN_S);
+    }
 }
 
 #[test]
