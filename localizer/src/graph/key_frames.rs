@@ -50,8 +50,9 @@ struct KeyFrame {
     readings: Vec<FrameReading>,
     /// Whether the way to it has been asked for.
     is_linked: bool,
-    /// Stamp of the latest key frame when the way to it was last joined of two, over the boxes that poses had then.
-    joined_s: Option<f64>,
+    /// Stamp of the latest key frame when the way to it was made, if the boxes that poses had then are used in it: for counts of the flow sensor from a
+    /// heading, and where two ways were joined.
+    way_known_s: Option<f64>,
     /// The greatest error of the flow sensor's place by its counts, and the stamps of the readings that the counts are of.
     place: Option<(f64, [f64; 2])>,
 }
@@ -169,12 +170,12 @@ impl KeyFrames {
         }
     }
 
-    /// Forgets the key frames after a stamp, and what followed from them for the poses of those before, and for the ways that were joined over the boxes
-    /// of these poses.
+    /// Forgets the key frames after a stamp, and what followed from them for the poses of those before, and the ways that were made with the boxes of
+    /// these poses.
     pub fn forget_since(&mut self, since_s: f64) {
         self.frames.retain(|frame| frame.stamp_s <= since_s);
         for frame in &mut self.frames {
-            if frame.joined_s.take_if(|joined_s| *joined_s > since_s).is_some() {
+            if frame.way_known_s.take_if(|known_s| *known_s > since_s).is_some() {
                 frame.link = None;
             }
             let n_before = frame.wider.partition_point(|(narrowed_s, _)| *narrowed_s <= since_s);
@@ -261,7 +262,7 @@ impl KeyFrames {
             link,
             readings,
             is_linked: false,
-            joined_s: None,
+            way_known_s: None,
             place,
         });
     }
@@ -331,6 +332,7 @@ impl KeyFrames {
             let before = &mut self.frames[at - 1];
             let shares_error = place.is_some_and(|[first, _]| *before.place.get_or_insert(first) == first);
             let scale_change = self.flow_scale_change;
+            self.frames[at].way_known_s = self.latest_s().filter(|_| flow.is_some());
             self.frames[at].place = place.map(|[_, last]| last);
             self.frames[at].link = Some(Link::Read(Read { way, flow, shares_error, scale_change }));
         }
@@ -381,7 +383,7 @@ impl KeyFrames {
             _ => None,
         };
         let after = &mut self.frames[at + 1];
-        after.joined_s = Some(latest_s).filter(|_| link.is_some());
+        after.way_known_s = Some(latest_s).filter(|_| link.is_some());
         after.link = link;
         self.frames.remove(at);
     }

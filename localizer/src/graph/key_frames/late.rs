@@ -52,6 +52,8 @@ impl KeyFrames {
         }
         let number = self.new_number();
         let scale_change = self.flow_scale_change;
+        let known_s = |ways: &Ways| self.latest_s().filter(|_| ways.1.is_some());
+        let [way_known_s, next_known_s] = [known_s(&first), known_s(&second)];
         let link =
             |(way, flow): Ways, shares_error: bool| Some(Link::Read(Read { way, flow, shares_error, scale_change }));
         if let (Some([first, _]), None) = (to, self.frames[gap.at - 1].place) {
@@ -59,22 +61,13 @@ impl KeyFrames {
         }
         let shares_error = to.zip(on).is_some_and(|([_, last], [first, _])| last == first);
         self.frames[gap.at].link = link(second, shares_error);
+        self.frames[gap.at].way_known_s = next_known_s;
         let place = to.map(|[_, last]| last);
         let readings = vec![FrameReading { number, ..reading }];
         let link = link(first, to.is_some());
         let wider = Vec::new();
-        let frame = KeyFrame {
-            number,
-            stamp_s,
-            pose,
-            wider,
-            label: None,
-            link,
-            readings,
-            is_linked: true,
-            joined_s: None,
-            place,
-        };
+        let frame =
+            KeyFrame { number, stamp_s, pose, wider, label: None, link, readings, is_linked: true, way_known_s, place };
         self.frames.insert(gap.at, frame);
         if self.is_too_many() {
             self.drop_one();

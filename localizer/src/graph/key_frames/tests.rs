@@ -70,10 +70,43 @@ fn a_way_that_was_joined_over_boxes_which_are_taken_back_is_forgotten() {
     let mut kept = frames.clone();
     kept.forget_since(latest_s);
     assert_eq!(links(&kept), links(&frames));
-    let at = frames.frames.iter().position(|frame| frame.joined_s.is_some()).unwrap();
+    let at = frames.frames.iter().position(|frame| frame.way_known_s.is_some()).unwrap();
     frames.forget_since(latest_s - 1e-6);
     let left = links(&frames);
     assert!(at < left.len() && !left[at] && left[1..].iter().filter(|is_linked| !**is_linked).count() == 1, "{left:?}");
+}
+
+#[test]
+fn a_late_way_by_the_flow_sensor_is_forgotten_with_the_heading_that_it_was_computed_from() {
+    let mut draw = Draw::new(20_261_130);
+    let drive = Drive::new(&mut draw, true, 4.0, 4);
+    let history = drive.history(true);
+    let ways = |from_s, to_s, heading| -> Ways {
+        let way = history.way(from_s, to_s, &wheels(), &reach());
+        (way, history.flow_way(from_s, to_s, heading, &wheels(), &reach()))
+    };
+    let box_of = |truth: &[f64; 3]| IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], 0.1)));
+    let mut frames = KeyFrames::new(&robot());
+    // All stamps but the last but two have key frames, whose ways are known as soon as they are there.
+    let late = drive.stamps_s.len() - 3;
+    for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate().filter(|(at, _)| *at != late) {
+        frames.push_beside(stamp_s, box_of(truth), None);
+        let Unlinked { number, stamp_s: to_s, before, .. } = frames.unlinked().unwrap();
+        let (way, flow) = before.map_or((None, None), |(from_s, heading)| ways(from_s, to_s, heading));
+        assert!(at == 0 || flow.is_some());
+        frames.link(number, way, flow, &[]);
+    }
+    let [before_s, stamp_s, after_s] = [0, 1, 2].map(|at| drive.stamps_s[late - 1 + at]);
+    let reading = |at: usize| FrameReading::new("late", Arc::new(Displaced(drive.poses[at])), OFF);
+    let gap = frames.gap_for(stamp_s, "late", 0.1).unwrap();
+    let both = [ways(before_s, stamp_s, gap.heading), ways(stamp_s, after_s, gap.heading)];
+    assert!(frames.insert(&gap, stamp_s, box_of(&drive.poses[late]), reading(late), both));
+    let links = |frames: &KeyFrames| frames.frames.iter().map(|frame| frame.link.is_some()).collect::<Vec<_>>();
+    // The latest key frame has told of the heading, perhaps. Without it both ways about the late reading are gone, and the others stay.
+    frames.forget_since(after_s);
+    let mut expected = vec![true; late + 2];
+    (expected[0], expected[late], expected[late + 1]) = (false, false, false);
+    assert_eq!(links(&frames), expected);
 }
 
 /// A reading that shows things of the map.
