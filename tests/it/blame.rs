@@ -394,7 +394,7 @@ fn drive(events: &str) -> (Scene, RunRecord) {
 /// A localizer whose floor-tile method returns boxes that are 45 % too small.
 fn tiles_too_small(scene: &Scene) -> Box<dyn Subject> {
     let method = FloorTiles::new(&scene.map(), &scene.robot_model(), Chain::Direct).unwrap();
-    let methods: Vec<Box<dyn Method>> = vec![Box::new(TooSmall { method: Box::new(method), relates: false })];
+    let methods: Vec<Box<dyn Method>> = vec![Box::new(TooSmall::unrelated(Box::new(method)))];
     let localizer = Localizer::new(scene.map(), scene.robot_model(), methods, scene.start_box())
         .with_base_clock(scene.robot.delivery.stamp_tolerance_s);
     Box::new(IntervalLocalizer::from(localizer))

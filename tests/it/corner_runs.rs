@@ -58,10 +58,16 @@ fn contained(path: &str, duration_s: f64, errors: Distribution, seed: u64) -> Ru
     record
 }
 
-/// The box that a fault would give that makes boxes 45 % narrower, about their middle, along the given axes of the pose.
-fn too_small(pose: &PoseBox, axes: &[usize]) -> PoseBox {
+/// What a fault that makes boxes 45 % too small leaves of their widths.
+const LEFT: f64 = 0.55;
+/// What a fault leaves of the widths of a reading's rows. With 45 % off, the rows of landmarks, whose bounds on tilt and height add up their worst cases,
+/// lose nothing in the drives of these tests.
+const ROWS_LEFT: f64 = 0.4;
+
+/// The box that a fault would give that leaves a share of each width, about the middle, along the given axes of the pose.
+pub(crate) fn too_small(pose: &PoseBox, axes: &[usize], left: f64) -> PoseBox {
     PoseBox::from([0, 1, 2].map(|axis| match pose[axis] {
-        side if axes.contains(&axis) => Interval::centred(side.mid(), 0.55 * 0.5 * side.width()),
+        side if axes.contains(&axis) => Interval::centred(side.mid(), left * 0.5 * side.width()),
         side => side,
     }))
 }
@@ -70,7 +76,7 @@ fn too_small(pose: &PoseBox, axes: &[usize]) -> PoseBox {
 fn would_lose(record: &RunRecord, axes: &[usize]) -> bool {
     record.truths.iter().zip(&record.estimates).skip(100).any(|(truth, estimate)| {
         let pose = truth.pose.to_array();
-        !estimate.pose.branches.iter().any(|branch| too_small(branch, axes).contains(&pose))
+        !estimate.pose.branches.iter().any(|branch| too_small(branch, axes, LEFT).contains(&pose))
     })
 }
 
@@ -110,14 +116,23 @@ fn with_markers_at_their_corners_a_place_45_percent_too_narrow_loses_the_truth()
     assert_narrower_places_lose("papers/ir_markers_lab.toml", 25.0);
 }
 
-/// A method whose constraints leave boxes 45 % too small about their middle, along the axes that they narrow. Its readings relate something only where
-/// that is asked for.
+/// A method whose constraints leave boxes too small about their middle, along the axes that they narrow.
 pub(crate) struct TooSmall {
     pub(crate) method: Box<dyn Method>,
-    pub(crate) relates: bool,
+    /// The share of the widths of its boxes that is left.
+    pub(crate) left: f64,
+    /// The share of the widths of its rows that is left; `None` for readings that relate nothing.
+    pub(crate) rows_left: Option<f64>,
 }
 
-struct TooSmallOnPose(OnPose);
+impl TooSmall {
+    /// A method with boxes 45 % too small, whose readings relate nothing.
+    pub(crate) fn unrelated(method: Box<dyn Method>) -> TooSmall {
+        TooSmall { method, left: LEFT, rows_left: None }
+    }
+}
+
+struct TooSmallOnPose(OnPose, f64);
 
 impl Contractor<3> for TooSmallOnPose {
     fn contract(&self, domain: &mut PoseBox) -> Outcome {
@@ -128,28 +143,29 @@ impl Contractor<3> for TooSmallOnPose {
         let narrowed = |left: &PoseBox| -> Vec<usize> {
             (0..3).filter(|&axis| left[axis].width() < domain[axis].width()).collect()
         };
-        self.0.branches(domain).iter().map(|left| too_small(left, &narrowed(left))).collect()
+        self.0.branches(domain).iter().map(|left| too_small(left, &narrowed(left), self.1)).collect()
     }
 }
 
-/// The relations of a reading with rows whose sides are 60 % too near to their middle, and with a displacement and errors of its own that are 60 % too
-/// small. With 45 % the rows of landmarks, whose bounds on tilt and height add up their worst cases, lose nothing in the drives of these tests.
-struct TooSmallRelations(Arc<dyn Relations>);
+/// The relations of a reading with rows whose sides are too near to their middle, and with a displacement and errors of its own that are too small.
+struct TooSmallRelations(Arc<dyn Relations>, f64);
 
-/// An interval that is 60 % too small.
-fn too_near(sides: Interval) -> Interval {
-    Interval::centred(sides.mid(), 0.4 * sides.radius())
+impl TooSmallRelations {
+    /// An interval that is too small.
+    fn too_near(&self, sides: Interval) -> Interval {
+        Interval::centred(sides.mid(), self.1 * sides.radius())
+    }
 }
 
 impl Relations for TooSmallRelations {
     fn quantities(&self, frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
         let is_error = |variable: Variable| variable.bound().is_some();
-        let nearer = |(variable, value)| (variable, if is_error(variable) { too_near(value) } else { value });
+        let nearer = |(variable, value)| (variable, if is_error(variable) { self.too_near(value) } else { value });
         self.0.quantities(frame, pose).into_iter().map(nearer).collect()
     }
 
     fn discs(&self, frame: usize) -> Vec<Disc> {
-        self.0.discs(frame).into_iter().map(|(pair, radius)| (pair, 0.4 * radius)).collect()
+        self.0.discs(frame).into_iter().map(|(pair, radius)| (pair, self.1 * radius)).collect()
     }
 
     fn is_of_the_map(&self) -> bool {
@@ -173,11 +189,12 @@ impl Relations for TooSmallRelations {
     }
 
     fn shift_m(&self, stray: &Stray) -> f64 {
-        0.4 * self.0.shift_m(stray)
+        self.1 * self.0.shift_m(stray)
     }
 
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
-        self.0.rows(frame, domain).into_iter().map(|row| Row { sides: too_near(row.sides), ..row }).collect()
+        let rows = self.0.rows(frame, domain).into_iter();
+        rows.map(|row| Row { sides: self.too_near(row.sides), ..row }).collect()
     }
 }
 
@@ -192,12 +209,11 @@ impl Method for TooSmall {
 
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let constraint = self.method.constrain(reading, context)?;
-        let by_itself = constraint.by_itself.map(|on_pose| Box::new(TooSmallOnPose(on_pose)) as Box<_>);
-        let relations = constraint
-            .relations
-            .filter(|_| self.relates)
-            .map(|relations| Arc::new(TooSmallRelations(relations)) as Arc<_>);
-        Some(Constraint { on_pose: Box::new(TooSmallOnPose(constraint.on_pose)), by_itself, relations, ..constraint })
+        let too_small = |on_pose| -> OnPose { Box::new(TooSmallOnPose(on_pose, self.left)) };
+        let by_itself = constraint.by_itself.map(too_small);
+        let relations = constraint.relations.zip(self.rows_left);
+        let relations = relations.map(|(relations, left)| Arc::new(TooSmallRelations(relations, left)) as Arc<_>);
+        Some(Constraint { on_pose: too_small(constraint.on_pose), by_itself, relations, ..constraint })
     }
 
     fn n_earlier(&self) -> usize {
@@ -235,7 +251,7 @@ impl Memory for TooSmall {
     }
 
     fn on_pose_again(&self, shown: &Shown) -> Option<OnPose> {
-        Some(Box::new(TooSmallOnPose(self.method.memory()?.on_pose_again(shown)?)))
+        Some(Box::new(TooSmallOnPose(self.method.memory()?.on_pose_again(shown)?, self.left)))
     }
 
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
@@ -275,8 +291,8 @@ fn lost_with_and_without(scene: &Scene, seed: u64, method: &dyn Fn(&Scene) -> Op
         Localizer::new(scene.map(), scene.robot_model(), vec![method], scene.start_box())
             .with_base_clock(scene.robot.delivery.stamp_tolerance_s)
     };
-    let (sound, faulty) =
-        (method(scene).unwrap(), Box::new(TooSmall { method: method(scene).unwrap(), relates: true }));
+    let faulty = TooSmall { method: method(scene).unwrap(), left: LEFT, rows_left: Some(ROWS_LEFT) };
+    let (sound, faulty) = (method(scene).unwrap(), Box::new(faulty));
     let mut beside = Beside { localizers: vec![(localizer(sound), 0), (localizer(faulty), 0)] };
     let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
     run_witnessed(

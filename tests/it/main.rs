@@ -78,6 +78,7 @@ mod calibration_rendered;
 /// Tests of whole runs that localize by markers on the ceiling.
 mod ceiling_runs;
 /// Tests of histories other than the truth that keep every declared bound on the readings of a run.
+mod witnessed_faults;
 mod witnesses;
 /// Tests of the proof that markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;

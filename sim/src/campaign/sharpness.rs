@@ -32,7 +32,8 @@ mod wheels;
 #[allow(clippy::unwrap_used)]
 mod tests;
 
-use localizer::{Estimate, Pose};
+use interval::Interval;
+use localizer::{Estimate, Pose, PoseBox};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -86,8 +87,12 @@ pub struct Instant {
     pub time_s: f64,
     /// Full width of the box around the localizer's estimate.
     pub width: [f64; 3],
-    /// Distance between the outermost witnesses; 0 where none but the truth was found.
-    pub spanned: [f64; 3],
+    /// From the outermost witness on one side of the truth to that on the other one, in the world, with the heading as a real number. Where no witness
+    /// was found it is the truth alone, and empty before the first reading.
+    pub witnesses: [Interval; 3],
+    /// Greatest distance of a witness from the middle of the box over half the box's width; `None` where none but the truth was found. At 1 a witness
+    /// lies on a face of the box.
+    pub power: [Option<f64>; 3],
     /// Whether all witnesses are in the localizer's box. If not, the box is wrong, however the truth lies.
     pub in_box: bool,
     /// Where no witness was found: the bound that the truth or the last candidate broke.
@@ -110,14 +115,27 @@ pub struct Dominant {
 }
 
 impl Instant {
+    /// Distance between the outermost witnesses along an axis; 0 where none but the truth was found.
+    pub fn spanned(&self, axis: usize) -> f64 {
+        let witnesses = self.witnesses[axis];
+        if witnesses.is_empty() { 0.0 } else { witnesses.width() }
+    }
+
+    /// Whether a box contains all witnesses along each axis. Those of different branches of an estimate need not be in one branch, so that a box is the
+    /// hull of an estimate.
+    pub fn are_witnesses_in(&self, hull: &PoseBox) -> bool {
+        (0..3).all(|axis| self.witnesses[axis].is_subset_of(hull[axis]))
+    }
+
     /// The box's width over the distance of the witnesses; `None` where there is no pair of witnesses.
     pub fn ratio(&self, axis: usize) -> Option<f64> {
-        (self.spanned[axis] > 0.0).then(|| self.width[axis] / self.spanned[axis])
+        let spanned = self.spanned(axis);
+        (spanned > 0.0).then(|| self.width[axis] / spanned)
     }
 
     /// Whether there is a pair of witnesses along every axis.
     pub fn has_pair(&self) -> bool {
-        self.spanned.iter().all(|spanned| *spanned > 0.0)
+        (0..3).all(|axis| self.spanned(axis) > 0.0)
     }
 }
 
@@ -131,11 +149,17 @@ pub struct Sharpness {
 impl Sharpness {
     /// Means of an axis over the instants with a pair of witnesses: of the box's width, and of the witnesses' distance; `None` where there is none.
     pub fn means(&self, axis: usize) -> Option<[f64; 2]> {
-        let with_pair: Vec<&Instant> = self.instants.iter().filter(|instant| instant.spanned[axis] > 0.0).collect();
+        let with_pair: Vec<&Instant> = self.instants.iter().filter(|instant| instant.spanned(axis) > 0.0).collect();
         let mean = |of: &dyn Fn(&Instant) -> f64| {
             with_pair.iter().map(|instant| of(instant)).sum::<f64>() / with_pair.len() as f64
         };
-        (!with_pair.is_empty()).then(|| [mean(&|instant| instant.width[axis]), mean(&|instant| instant.spanned[axis])])
+        (!with_pair.is_empty()).then(|| [mean(&|instant| instant.width[axis]), mean(&|instant| instant.spanned(axis))])
+    }
+
+    /// Greatest distance of a witness from the middle of its box along an axis, over half the box's width; `None` where there is no witness. A fault that
+    /// leaves a smaller share of every width than this excludes a witness.
+    pub fn power(&self, axis: usize) -> Option<f64> {
+        self.instants.iter().filter_map(|instant| instant.power[axis]).max_by(f64::total_cmp)
     }
 
     /// Median of the ratios of an axis, over the instants with a pair of witnesses; `None` where there is none.
@@ -226,8 +250,8 @@ fn dominant(record: &RunRecord, time_s: f64) -> [Option<Dominant>; 3] {
 fn at_instant(readings: &Readings, estimate: &Estimate, time_s: f64) -> Instant {
     let hull = estimate.pose.hull();
     let width = [0, 1, 2].map(|axis| hull[axis].width());
-    let mut instant =
-        Instant { time_s, width, spanned: [0.0; 3], in_box: true, broken: None, dominant: [const { None }; 3] };
+    let (witnesses, dominant) = ([Interval::EMPTY; 3], [const { None }; 3]);
+    let mut instant = Instant { time_s, width, witnesses, power: [None; 3], in_box: true, broken: None, dominant };
     let Some((truth, kinds)) = readings.until(time_s) else {
         instant.broken = Some("no reading".to_owned());
         return instant;
@@ -235,9 +259,11 @@ fn at_instant(readings: &Readings, estimate: &Estimate, time_s: f64) -> Instant 
     // A witness is in the box, and so is the truth: no witness is farther from the truth than the box is wide.
     match search::search(&truth, &kinds, width.map(|width| 1.5 * width + 1e-3)) {
         Ok(found) => {
-            instant.spanned = found.spanned.map(|spanned| spanned.width());
-            // The witnesses of different branches need not be in one branch, so that each axis is compared with the hull.
-            instant.in_box = (0..3).all(|axis| found.spanned[axis].is_subset_of(hull[axis]));
+            instant.witnesses = found.spanned;
+            instant.in_box = instant.are_witnesses_in(&hull);
+            let off = |axis: usize| (instant.witnesses[axis] - Interval::point(hull[axis].mid())).magnitude();
+            let power = |axis: usize| (instant.spanned(axis) > 0.0).then(|| off(axis) / (0.5 * hull[axis].width()));
+            instant.power = [0, 1, 2].map(power);
             instant.broken = found.broken.first().map(|broken| broken.to_string());
         }
         Err(broken) => instant.broken = Some(format!("the truth: {broken}")),

@@ -125,8 +125,9 @@ fn as_json(scene: &str, seed: u64, measured: &Sharpness) -> String {
         json!({
             "time_s": instant.time_s,
             "width": by_axis(&|axis| instant.width[axis].into()),
-            "spanned": by_axis(&|axis| instant.spanned[axis].into()),
+            "spanned": by_axis(&|axis| instant.spanned(axis).into()),
             "ratio": by_axis(&|axis| instant.ratio(axis).into()),
+            "power": by_axis(&|axis| instant.power[axis].into()),
             "in_box": instant.in_box,
             "broken": instant.broken,
             "dominant": by_axis(&|axis| json!(instant.dominant[axis])),
@@ -139,6 +140,7 @@ fn as_json(scene: &str, seed: u64, measured: &Sharpness) -> String {
         "mean_width": by_axis(&|axis| measured.means(axis).map(|[width, _]| width).into()),
         "mean_spanned": by_axis(&|axis| measured.means(axis).map(|[_, spanned]| spanned).into()),
         "median_ratio": by_axis(&|axis| measured.median(axis).into()),
+        "power": by_axis(&|axis| measured.power(axis).into()),
         "instants_with_witnesses": measured.instants.iter().filter(|instant| instant.has_pair()).count(),
     });
     format!("{found:#}\n")
@@ -148,7 +150,7 @@ fn as_table(measured: &Sharpness) -> String {
     let mut text = " instant  axis         box     witnesses  ratio  makes most of it\n".to_owned();
     for instant in &measured.instants {
         for axis in 0..3 {
-            let [width, spanned] = [instant.width[axis], instant.spanned[axis]].map(|value| shown(axis, value));
+            let [width, spanned] = [instant.width[axis], instant.spanned(axis)].map(|value| shown(axis, value));
             let ratio = instant.ratio(axis).map_or("  none".to_owned(), |ratio| format!("{ratio:6.2}"));
             let dominant =
                 instant.dominant[axis].as_ref().map_or(String::new(), |dominant| dominant_text(axis, dominant));
@@ -162,10 +164,10 @@ fn as_table(measured: &Sharpness) -> String {
             text += "          a witness is outside the box: the box excludes what may be true\n";
         }
     }
-    let medians = (0..3).map(|axis| {
-        let median = measured.median(axis).map_or("none".to_owned(), |median| format!("{median:.2}"));
-        format!("{} {median}", axis_name(axis))
-    });
+    let of_axes = |of: &dyn Fn(usize) -> Option<f64>| -> String {
+        let shown = |axis| of(axis).map_or("none".to_owned(), |value| format!("{value:.2}"));
+        [0, 1, 2].map(|axis| format!("{} {}", axis_name(axis), shown(axis))).join(", ")
+    };
     let n_found = measured.instants.iter().filter(|instant| instant.has_pair()).count();
     let means = (0..3).map(|axis| match measured.means(axis) {
         Some(means) => {
@@ -176,7 +178,11 @@ fn as_table(measured: &Sharpness) -> String {
     });
     text.push('\n');
     text.extend(means);
-    text += &format!("\nmedian ratio: {}\n", medians.collect::<Vec<_>>().join(", "));
+    text += &format!("\nmedian ratio: {}\n", of_axes(&|axis| measured.median(axis)));
+    text += &format!(
+        "power, the farthest witness from a box's middle over half its width: {}\n",
+        of_axes(&|axis| measured.power(axis))
+    );
     text += &format!("witnesses along every axis at {n_found} of {} instants\n", measured.instants.len());
     text
 }
