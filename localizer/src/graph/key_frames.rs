@@ -1,23 +1,26 @@
 //! Key frames of a drive, and the linear program that relates them.
 
+mod frame;
 mod late;
 mod program;
 
-use std::{borrow::Cow, collections::VecDeque, sync::Arc};
+use std::{borrow::Cow, collections::VecDeque};
 
 use interval::Interval;
 
 use crate::{
     PoseBox, RobotModel,
     motion::{FlowWay, Way},
-    reading::Shown,
     robot::{GyroModel, cayley_radius},
 };
 
 use super::{
-    BoxLabel, Constant, Disc, Domain, Relations, Stray, Variable,
+    BoxLabel, Constant, Disc, Domain, Stray, Variable,
     link::{Link, Read},
 };
+
+pub use frame::FrameReading;
+use frame::KeyFrame;
 
 /// Greatest number of key frames that are kept, where one whose readings relate more than the map counts as two: with one every two seconds on the map
 /// those of 200 seconds, with one every 0.6 s among landmarks those of 30 seconds. In longer drives the older ones are farther apart.
@@ -32,46 +35,6 @@ pub const WIDEST_RAD: f64 = 0.3;
 
 /// Box of a landmark's world x and y.
 pub type Place = [Interval; 2];
-
-/// One stamp of the drive at which the pose is bounded.
-#[derive(Clone)]
-struct KeyFrame {
-    number: usize,
-    stamp_s: f64,
-    /// Box of the pose: as it was known when the key frame was made, narrowed since by bounds of the linear program.
-    pose: PoseBox,
-    /// What the box was before it was narrowed, each with the time at which the bounds that narrowed it were known.
-    wider: Vec<(f64, PoseBox)>,
-    /// The reading that makes the pose's box, if it is of one.
-    label: Option<BoxLabel>,
-    /// The way from the key frame before; `None` for the first one, and where no reading of the motion is to be believed.
-    link: Option<Link>,
-    /// The readings at this stamp that relate something, at most one of each source.
-    readings: Vec<FrameReading>,
-    /// Whether the way to it has been asked for.
-    is_linked: bool,
-    /// Stamp of the latest key frame when the way to it was made, if the boxes that poses had then are used in it: for counts of the flow sensor from a
-    /// heading, and where two ways were joined.
-    way_known_s: Option<f64>,
-    /// The greatest error of the flow sensor's place by its counts, and the stamps of the readings that the counts are of.
-    place: Option<(f64, [f64; 2])>,
-}
-
-/// A reading at the stamp of a key frame.
-#[derive(Clone)]
-pub struct FrameReading {
-    /// What it is a reading of, such as the name of the method that read it: of each source a key frame has one reading at most.
-    pub source: &'static str,
-    /// What the reading relates.
-    pub relations: Arc<dyn Relations>,
-    /// What the reading showed, of which its relations can be made anew.
-    pub shown: Option<Shown>,
-    /// How far the robot can have gone between the reading's stamp and its true instant.
-    stray: Stray,
-    /// Number by which the reading's own quantities are told apart from those of all other readings. The first reading of a key frame has the key
-    /// frame's number.
-    number: usize,
-}
 
 /// The key frames of a drive.
 #[derive(Clone)]
@@ -162,10 +125,7 @@ impl KeyFrames {
             if let Variable::Pose(number, axis) = variable
                 && let Some(frame) = self.frames.iter_mut().find(|frame| frame.number == number)
             {
-                if frame.wider.last().is_none_or(|(narrowed_s, _)| *narrowed_s != known_s) {
-                    frame.wider.push((known_s, frame.pose));
-                }
-                frame.pose[axis] = frame.pose[axis].intersect(bound);
+                frame.narrow(axis, bound, known_s);
             }
         }
     }
@@ -174,15 +134,7 @@ impl KeyFrames {
     /// these poses.
     pub fn forget_since(&mut self, since_s: f64) {
         self.frames.retain(|frame| frame.stamp_s <= since_s);
-        for frame in &mut self.frames {
-            if frame.way_known_s.take_if(|known_s| *known_s > since_s).is_some() {
-                frame.link = None;
-            }
-            let n_before = frame.wider.partition_point(|(narrowed_s, _)| *narrowed_s <= since_s);
-            if let Some((_, pose)) = frame.wider.drain(n_before..).next() {
-                frame.pose = pose;
-            }
-        }
+        self.frames.iter_mut().for_each(|frame| frame.take_back_since(since_s));
     }
 
     /// Stamp of the latest key frame.
@@ -251,20 +203,8 @@ impl KeyFrames {
     /// Adds a key frame with a later stamp than all others, however near to them.
     pub fn push_beside(&mut self, stamp_s: f64, pose: PoseBox, reading: Option<FrameReading>) {
         let number = self.new_number();
-        let (label, link, place) = (None, None, None);
         let readings = reading.into_iter().map(|reading| FrameReading { number, ..reading }).collect();
-        self.frames.push_back(KeyFrame {
-            number,
-            stamp_s,
-            pose,
-            wider: Vec::new(),
-            label,
-            link,
-            readings,
-            is_linked: false,
-            way_known_s: None,
-            place,
-        });
+        self.frames.push_back(KeyFrame::new(number, stamp_s, pose, readings));
     }
 
     /// Adds a reading to the key frame with exactly this stamp, if there is one without a reading of this source. Returns whether it was added.
@@ -403,40 +343,6 @@ pub struct Unlinked {
     pub before: Option<(f64, Interval)>,
     /// Greatest errors of the stamps of its readings.
     pub stamp_errors_s: Vec<f64>,
-}
-
-impl FrameReading {
-    /// A reading of a source, for a key frame.
-    pub fn new(source: &'static str, relations: Arc<dyn Relations>, stray: Stray) -> FrameReading {
-        FrameReading { source, relations, shown: None, stray, number: 0 }
-    }
-
-    /// The same reading, with what it showed.
-    pub fn showing(self, shown: Option<Shown>) -> FrameReading {
-        FrameReading { shown, ..self }
-    }
-
-    /// How far the pose that the reading shows may be from the pose at its stamp.
-    fn displaced(&self) -> Stray {
-        Stray { metres: self.relations.shift_m(&self.stray), ..self.stray }
-    }
-}
-
-impl KeyFrame {
-    /// Whether a reading relates more than the map.
-    fn relates_more_than_the_map(&self) -> bool {
-        !self.readings.iter().all(|one| one.relations.is_of_the_map())
-    }
-
-    /// How much the key frame counts among those that are kept.
-    fn counts(&self) -> usize {
-        if self.relates_more_than_the_map() { 2 } else { 1 }
-    }
-
-    /// Whether the key frame has a reading of a source.
-    fn has(&self, source: &str) -> bool {
-        self.readings.iter().any(|one| one.source == source)
-    }
 }
 
 /// The errors of the flow sensor's places at both ends of a way by its counts, each with the stamps of the readings that the counts are of.

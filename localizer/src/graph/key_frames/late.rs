@@ -65,9 +65,8 @@ impl KeyFrames {
         let place = to.map(|[_, last]| last);
         let readings = vec![FrameReading { number, ..reading }];
         let link = link(first, to.is_some());
-        let wider = Vec::new();
-        let frame =
-            KeyFrame { number, stamp_s, pose, wider, label: None, link, readings, is_linked: true, way_known_s, place };
+        let frame = KeyFrame::new(number, stamp_s, pose, readings);
+        let frame = KeyFrame { link, is_linked: true, way_known_s, place, ..frame };
         self.frames.insert(gap.at, frame);
         if self.is_too_many() {
             self.drop_one();

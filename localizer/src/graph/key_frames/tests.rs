@@ -1,11 +1,13 @@
 //! Tests of key frames: hundreds of seconds, and readings that are displaced.
 
+use std::sync::Arc;
+
 use interval::IntervalBox;
 
 use super::*;
 use crate::bounds::{self, Assumption};
 use crate::graph::{
-    Hull, Row,
+    Hull, Relations, Row,
     trial::{Draw, Drive, reach, robot, wheels},
 };
 
