@@ -14,6 +14,9 @@ use crate::{
     robot::{GyroModel, Reach, WheelModel},
 };
 
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod lost;
 mod sums;
 
 use sums::{Sums, Walk};
@@ -160,7 +163,8 @@ impl GyroHistory {
         for &stamp_s in &stamps_s[1..] {
             let sums = walk.sums_to(stamp_s)?;
             let [floor, grows, at_once] = if model.bounds_angle() {
-                [0.5 * model.angle_floor_rad, sums.grown_rad(model), model.one_rad()]
+                let at_once = sums.missed_at_end_rad + model.one_rad();
+                [0.5 * model.angle_floor_rad, sums.grown_rad(model), at_once]
             } else {
                 [0.0, (model.noise_rad_per_s + wandered) * sums.lasts_s, 0.0]
             };
@@ -255,7 +259,7 @@ pub(super) struct ProfileStep {
     pub(super) floor_rad: f64,
     /// Greatest error that adds up over the time.
     pub(super) grows_rad: f64,
-    /// Greatest error by readings that count only in part, over any span.
+    /// Greatest error by readings that count only in part, over any span, and by those that are missing up to this stamp.
     pub(super) at_once_rad: f64,
     /// Greatest error where readings count only in part or are missing, by the turn rate's change.
     pub(super) bend_rad: f64,

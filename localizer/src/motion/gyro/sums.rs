@@ -48,6 +48,7 @@ impl<'a> Walk<'a> {
             last.add_next(to_s);
         }
         let beside = last.reading().or_else(|| last.before())?;
+        last.sums.missed_at_end_rad = last.missed_rad(to_s - last.done_s);
         last.add_beside(beside, [last.done_s, to_s]);
         Some(last.sums)
     }
@@ -67,6 +68,7 @@ impl<'a> Walk<'a> {
         let Some((end_s, rate)) = self.reading() else { return };
         let period_s = self.history.model.period_s;
         let begin_s = end_s - period_s;
+        self.sums.missed_rad += self.missed_rad(begin_s - self.done_s);
         self.add_beside((end_s, rate), [self.done_s, begin_s]);
         self.sums.n_runs += usize::from(self.sums.n_runs == 0 || begin_s - self.done_s > SAME_S);
         let span_s = end_s.min(to_s) - begin_s.max(self.done_s);
@@ -76,6 +78,17 @@ impl<'a> Walk<'a> {
         }
         self.done_s = end_s.min(to_s);
         self.next += 1;
+    }
+
+    /// Greatest change of the bounded part u of the accumulated angle error over a span of time that no reading covers: the readings of that time, which
+    /// were lost, had errors, too.
+    fn missed_rad(&self, span_s: f64) -> f64 {
+        let model = &self.history.model;
+        if span_s <= SAME_S {
+            return 0.0;
+        }
+        let by_reading = model.noise_rad_per_s + model.bias_rad_per_s.width() + model.angle_rad_per_s;
+        model.angle_floor_rad.min(by_reading * (span_s + 2.0 * model.period_s))
     }
 
     /// Adds a span of time beside a gyroscope reading's period to the sums, at the rate of that reading. Somewhere in the period the turn rate
@@ -101,6 +114,10 @@ pub(super) struct Sums {
     pub(super) beside_s: f64,
     /// Number of stretches of the span that gyroscope readings cover without a gap.
     pub(super) n_runs: usize,
+    /// Bound on how much the part u of the accumulated angle error changes in gaps between readings, and before the first one of the span.
+    pub(super) missed_rad: f64,
+    /// The same from the last reading to the end of the span.
+    pub(super) missed_at_end_rad: f64,
     /// Bound on the error of the turn that arises where only a part of a reading's period is used, and in time that no reading covers.
     pub(super) bend_rad: f64,
     /// Sum Σ |r|·T over the gyroscope readings r and the times T for which they count; the bound on the rounding errors of the sums is in
@@ -132,14 +149,14 @@ impl Sums {
         if !model.bounds_angle() {
             return Interval::ENTIRE;
         }
-        self.within(self.grown_rad(model) + model.one_rad())
+        self.within(self.grown_rad(model) + self.missed_at_end_rad + model.one_rad())
     }
 
-    /// Bound on the part of the accumulated angle error that grows with time, and on what gaps between readings add to it.
+    /// Bound on the part of the accumulated angle error that grows with time, and on what gaps between readings add to it. What a gap at the end of the
+    /// span adds is not included, since it concerns u at the end alone.
     pub(super) fn grown_rad(&self, model: &GyroModel) -> f64 {
-        let gaps_rad =
-            self.n_runs.saturating_sub(1) as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s;
-        gaps_rad + (model.noise_rad_per_s + model.bias_rad_per_s.width()) * self.beside_s
+        let beside_rad = (model.noise_rad_per_s + model.bias_rad_per_s.width()) * self.beside_s;
+        self.missed_rad + model.angle_rad_per_s * self.lasts_s + beside_rad
     }
 
     /// Bound on the noise and the bias's departure, reading by reading, in time that no reading covers and for a reading at either end that lies only
