@@ -175,9 +175,12 @@ fn beams_are_claimed_to_end_at_walls_and_the_judge_knows_which_do() {
     let share = n_true as f64 / claims().count() as f64;
     assert!(share > 0.5 && share < 0.95, "{share}");
     let farther = |claim: &Claim| match claim {
-        Claim::WallPoint { bearing_rad, distance_m, within_m } => {
-            Claim::WallPoint { bearing_rad: *bearing_rad, distance_m: distance_m + 0.3, within_m: *within_m }
-        }
+        Claim::WallPoint { bearing_rad, distance_m, range_error_m, placement_m } => Claim::WallPoint {
+            bearing_rad: *bearing_rad,
+            distance_m: distance_m + 0.3,
+            range_error_m: *range_error_m,
+            placement_m: *placement_m,
+        },
         other => panic!("{other:?}"),
     };
     let n_farther = claims().filter(|(image, claim)| is_true(&farther(claim), &scene, &drawn, &image.truth)).count();

@@ -51,14 +51,17 @@ pub enum Claim {
         /// by at most the bound along u and along v.
         dots_px: Vec<(GridPlace, [f64; 3])>,
     },
-    /// A claim that a beam of a planar range scanner ended at the front of a mapped wall.
+    /// A claim that a beam of a planar range scanner ended at the front of a mapped wall: at a distance that differs from the measured one by at most
+    /// the range error, the beam is within the placement of a mapped wall that may show its front to the scanner.
     WallPoint {
         /// Bearing of the beam from the scanner's forward axis, counter-clockwise.
         bearing_rad: f64,
         /// Distance that the beam measured.
         distance_m: f64,
-        /// Greatest distance of the measured point from the nearest mapped wall.
-        within_m: f64,
+        /// Greatest error of the distance.
+        range_error_m: f64,
+        /// Greatest distance of a point of a wall from its place on the map.
+        placement_m: f64,
     },
     /// A claim that a point in space was seen: the true image of some point of the given box is at the given place of the image, within the bound along
     /// u and along v.

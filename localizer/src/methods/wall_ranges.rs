@@ -207,7 +207,8 @@ impl Method for WallRanges {
         let claim = |&(bearing_rad, distance_m): &(f64, f64)| Claim::WallPoint {
             bearing_rad,
             distance_m,
-            within_m: self.placement_m + self.scanner.range_error_m,
+            range_error_m: self.scanner.range_error_m,
+            placement_m: self.placement_m,
         };
         let claims = if most_wrong.is_some() { used.iter().map(claim).collect() } else { Vec::new() };
         Some(Constraint {

@@ -71,8 +71,9 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
             .is_some_and(|planes| may_hold(&planes, &[Vector3::z()])),
         Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
-        Claim::WallPoint { bearing_rad, distance_m, within_m } => {
-            wall_distance_m([*bearing_rad, *distance_m], scene, drawn, truth).is_some_and(|at_m| at_m <= *within_m)
+        Claim::WallPoint { bearing_rad, distance_m, range_error_m, placement_m } => {
+            let distances_m = [distance_m - range_error_m, distance_m + range_error_m].map(|end_m| end_m.max(0.0));
+            ends_at_a_wall(*bearing_rad, distances_m, *placement_m, scene, drawn, truth).unwrap_or(false)
         }
         Claim::SpacePoint { point, at_px, half_width_px, view, .. } => {
             let seen = (*at_px, *half_width_px);
@@ -212,20 +213,49 @@ fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Sce
     in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
 }
 
-/// Distance, seen from above, between the nearest wall of the map and the point that a beam of the scanner has measured, from where the scanner truly
-/// is; `None` where there is no scanner or no wall.
-fn wall_distance_m([bearing_rad, distance_m]: [f64; 2], scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<f64> {
+/// Whether a beam of the scanner, from where the scanner truly is, may have ended at the front of a mapped wall: between the two distances it comes
+/// within `placement_m` of one, seen from above, whose true front may face the scanner; `None` where there is no scanner.
+fn ends_at_a_wall(
+    bearing_rad: f64,
+    distances_m: [f64; 2],
+    placement_m: f64,
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<bool> {
     let (keys, mount) = (scene.robot.scanner.as_ref()?, drawn.devices.scanner.as_ref()?);
     let (sin, cos) = bearing_rad.sin_cos();
-    let measured =
-        truth.world_from_body() * mount.body_from_scanner(keys) * Point3::new(distance_m * cos, distance_m * sin, 0.0);
-    let to_wall_m = |wall: Wall| {
+    let world_from_scanner = truth.world_from_body() * mount.body_from_scanner(keys);
+    let at = |distance_m: f64| (world_from_scanner * Point3::new(distance_m * cos, distance_m * sin, 0.0)).xy();
+    let (eye, ends) = (at(0.0), distances_m.map(at));
+    let is_it = |wall: Wall| {
         let [from, to] = wall.ends_m.map(Point2::from);
         let way = to - from;
-        let share = (measured.xy() - from).dot(&way) / way.norm_squared();
-        (from + way * share.clamp(0.0, 1.0) - measured.xy()).norm()
+        // Both ends of the straight true wall are within the placement, so that beyond an end its line departs from the mapped one by more.
+        let share = (eye - from).dot(&way) / way.norm_squared();
+        let departs_m = placement_m * (1.0 + 2.0 * (share - 1.0).max(-share).max(0.0));
+        let before_m = way.perp(&(eye - from)) / way.norm();
+        before_m >= -departs_m && apart_m(ends, [from, to]) <= placement_m
     };
-    scene.mapped_walls().into_iter().map(to_wall_m).min_by(f64::total_cmp)
+    Some(scene.mapped_walls().into_iter().any(is_it))
+}
+
+/// Distance between two line segments, each from one point to another.
+fn apart_m(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> f64 {
+    let side = |[from, to]: [Point2<f64>; 2], point: Point2<f64>| (to - from).perp(&(point - from));
+    let are_beside = |line, [a, b]: [Point2<f64>; 2]| side(line, a) * side(line, b) >= 0.0;
+    if !are_beside(one, other) && !are_beside(other, one) {
+        return 0.0;
+    }
+    let to_segment_m = |point: Point2<f64>, [from, to]: [Point2<f64>; 2]| {
+        let way = to - from;
+        let length_2 = way.norm_squared();
+        let share = if length_2 > 0.0 { ((point - from).dot(&way) / length_2).clamp(0.0, 1.0) } else { 0.0 };
+        (from + way * share - point).norm()
+    };
+    let of_one = one.map(|point| to_segment_m(point, other));
+    let of_other = other.map(|point| to_segment_m(point, one));
+    of_one.into_iter().chain(of_other).fold(f64::INFINITY, f64::min)
 }
 
 /// How far the point on the floor that a pixel of the floor camera sees moves for one pixel to the right, and for one pixel down.
