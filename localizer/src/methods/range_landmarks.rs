@@ -82,6 +82,13 @@ pub struct RangeLandmarks {
     contradicts: bool,
 }
 
+/// What was known at a time.
+struct Known {
+    atlas: Atlas,
+    /// Number of codes that had been found to be right.
+    n_right: usize,
+}
+
 /// What one reading showed.
 struct Shows {
     stamp_s: f64,
@@ -234,13 +241,14 @@ impl Memory for RangeLandmarks {
     }
 
     fn knowledge(&self) -> Option<Knowledge> {
-        Some(Arc::new(self.atlas.clone()))
+        Some(Arc::new(Known { atlas: self.atlas.clone(), n_right: self.code_uses.n_found() }))
     }
 
     fn go_back(&mut self, known: &Knowledge) {
         self.in_order.miss_all();
-        if let Some(atlas) = known.downcast_ref::<Atlas>() {
+        if let Some(Known { atlas, n_right }) = known.downcast_ref() {
             self.atlas.clone_from(atlas);
+            self.code_uses.go_back(*n_right);
         }
         self.interrupt();
     }

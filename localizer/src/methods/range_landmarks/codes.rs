@@ -3,11 +3,13 @@
 //! A sighting that puts its landmark outside of the box in which the landmark surely is has a wrong code. At most `q_items` codes of a reading are
 //! wrong, and at least `wrong_spacing` right uses of a code lie between two wrong ones. So a code that is certainly wrong makes others certainly right:
 //! the uses of the same code just before and after it, and, once as many codes of a reading are wrong as may be, all other codes of that reading.
+//!
+//! What codes are right follows from the landmarks' boxes. Where those are taken back, it is taken back with them.
 
 use std::{
     collections::{BTreeMap, VecDeque},
     sync::{
-        Arc,
+        Arc, Weak,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -31,10 +33,9 @@ impl RightCodes {
         self.right.get(sighting).is_some_and(|right| right.load(Ordering::Relaxed))
     }
 
-    fn set_right(&self, sighting: usize) {
-        if let Some(right) = self.right.get(sighting) {
-            right.store(true, Ordering::Relaxed);
-        }
+    /// Sets whether the code of a sighting is certainly right. Returns whether that changed.
+    fn set(&self, sighting: usize, is_right: bool) -> bool {
+        self.right.get(sighting).is_some_and(|right| right.swap(is_right, Ordering::Relaxed) != is_right)
     }
 }
 
@@ -44,6 +45,18 @@ pub(super) struct CodeUses {
     q_items: usize,
     wrong_spacing: usize,
     uses: BTreeMap<LandmarkId, VecDeque<Use>>,
+    /// The codes that were found to be right, in the order in which they were, as far as somebody still keeps their readings.
+    found: Vec<Found>,
+    n_found: usize,
+}
+
+/// A code that was found to be right.
+#[derive(Debug)]
+struct Found {
+    /// Number of codes that were found before.
+    number: usize,
+    reading: Weak<RightCodes>,
+    sighting: usize,
 }
 
 /// A sighting with a landmark's code.
@@ -56,7 +69,7 @@ struct Use {
 
 impl CodeUses {
     pub(super) fn new(q_items: usize, wrong_spacing: usize) -> CodeUses {
-        CodeUses { q_items, wrong_spacing, uses: BTreeMap::new() }
+        CodeUses { q_items, wrong_spacing, uses: BTreeMap::new(), found: Vec::new(), n_found: 0 }
     }
 
     /// Takes in the codes of the next reading, each with whether it is certainly wrong, and notes which codes of this reading and of earlier ones are
@@ -66,19 +79,42 @@ impl CodeUses {
             return;
         }
         let n_wrong = codes.iter().filter(|(_, is_wrong)| *is_wrong).count();
+        let mut right: Vec<(Arc<RightCodes>, usize)> = Vec::new();
         for (sighting, &(landmark, is_wrong)) in codes.iter().enumerate() {
             if n_wrong == self.q_items && !is_wrong {
-                reading.set_right(sighting);
+                right.push((reading.clone(), sighting));
             }
             let uses = self.uses.entry(landmark).or_default();
             if is_wrong {
-                uses.iter().filter(|one| !one.is_wrong).for_each(|one| one.reading.set_right(one.sighting));
+                right.extend(uses.iter().filter(|one| !one.is_wrong).map(|one| (one.reading.clone(), one.sighting)));
             } else if uses.iter().any(|one| one.is_wrong) {
-                reading.set_right(sighting);
+                right.push((reading.clone(), sighting));
             }
             uses.push_back(Use { reading: reading.clone(), sighting, is_wrong });
             while uses.len() > self.wrong_spacing {
                 uses.pop_front();
+            }
+        }
+        self.found.retain(|one| one.reading.strong_count() > 0);
+        for (reading, sighting) in right {
+            if reading.set(sighting, true) {
+                self.found.push(Found { number: self.n_found, reading: Arc::downgrade(&reading), sighting });
+                self.n_found += 1;
+            }
+        }
+    }
+
+    /// Number of codes that have been found to be right.
+    pub(super) fn n_found(&self) -> usize {
+        self.n_found
+    }
+
+    /// Forgets which codes were found to be right after so many had been.
+    pub(super) fn go_back(&mut self, n_found: usize) {
+        let kept = self.found.partition_point(|one| one.number < n_found);
+        for Found { reading, sighting, .. } in self.found.drain(kept..) {
+            if let Some(reading) = reading.upgrade() {
+                reading.set(sighting, false);
             }
         }
     }
@@ -123,6 +159,23 @@ mod tests {
         let two_wrong = read(&mut uses, &[(4, true), (5, true), (6, false)]);
         assert_eq!((n_right(&one_wrong), n_right(&two_wrong)), (0, 1));
         assert!(two_wrong.is_right(2));
+    }
+
+    #[test]
+    fn what_followed_from_boxes_that_are_taken_back_is_forgotten() {
+        let mut uses = CodeUses::new(1, 3);
+        let before = read(&mut uses, &[(7, false)]);
+        read(&mut uses, &[(7, true)]);
+        let n_found = uses.n_found();
+        let late = read(&mut uses, &[(9, false), (7, false)]);
+        let wrong = read(&mut uses, &[(9, true), (8, false)]);
+        // A reading that nobody keeps is no more in the way than one that is kept.
+        drop(read(&mut uses, &[(9, false)]));
+        assert_eq!([n_right(&before), n_right(&late), n_right(&wrong)], [1, 2, 1]);
+        uses.go_back(n_found);
+        assert_eq!([n_right(&before), n_right(&late), n_right(&wrong)], [1, 0, 0]);
+        uses.go_back(0);
+        assert_eq!(n_right(&before), 0);
     }
 
     #[test]
