@@ -142,6 +142,12 @@ impl KeyFrames {
         self.frames.back().map(|latest| latest.stamp_s)
     }
 
+    /// Time by which all was known that the boxes of the poses follow from.
+    fn known_s(&self) -> Option<f64> {
+        let narrowed_s = self.frames.iter().filter_map(|frame| frame.wider.last()).map(|(known_s, _)| *known_s);
+        self.latest_s().map(|latest_s| narrowed_s.fold(latest_s, f64::max))
+    }
+
     /// Box of the pose at the latest key frame.
     pub fn latest_pose(&self) -> Option<PoseBox> {
         self.frames.back().map(|latest| latest.pose)
@@ -272,7 +278,7 @@ impl KeyFrames {
             let before = &mut self.frames[at - 1];
             let shares_error = place.is_some_and(|[first, _]| *before.place.get_or_insert(first) == first);
             let scale_change = self.flow_scale_change;
-            self.frames[at].way_known_s = self.latest_s().filter(|_| flow.is_some());
+            self.frames[at].way_known_s = self.known_s().filter(|_| flow.is_some());
             self.frames[at].place = place.map(|[_, last]| last);
             self.frames[at].link = Some(Link::Read(Read { way, flow, shares_error, scale_change }));
         }
@@ -322,8 +328,9 @@ impl KeyFrames {
             }
             _ => None,
         };
+        let known_s = self.known_s();
         let after = &mut self.frames[at + 1];
-        after.way_known_s = Some(latest_s).filter(|_| link.is_some());
+        after.way_known_s = known_s.filter(|_| link.is_some());
         after.link = link;
         self.frames.remove(at);
     }

@@ -25,7 +25,7 @@ pub(super) struct KeyFrame {
     pub(super) readings: Vec<FrameReading>,
     /// Whether the way to it has been asked for.
     pub(super) is_linked: bool,
-    /// Stamp of the latest key frame when the way to it was made, if the boxes that poses had then are used in it: for counts of the flow sensor from a
+    /// Time by which all was known that the way to it follows from, if it was made with boxes that poses had then: by counts of the flow sensor from a
     /// heading, and where two ways were joined.
     pub(super) way_known_s: Option<f64>,
     /// The greatest error of the flow sensor's place by its counts, and the stamps of the readings that the counts are of.

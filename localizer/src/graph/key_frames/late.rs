@@ -52,7 +52,7 @@ impl KeyFrames {
         }
         let number = self.new_number();
         let scale_change = self.flow_scale_change;
-        let known_s = |ways: &Ways| self.latest_s().filter(|_| ways.1.is_some());
+        let known_s = |ways: &Ways| self.known_s().filter(|_| ways.1.is_some());
         let [way_known_s, next_known_s] = [known_s(&first), known_s(&second)];
         let link =
             |(way, flow): Ways, shares_error: bool| Some(Link::Read(Read { way, flow, shares_error, scale_change }));

@@ -10,6 +10,7 @@ use crate::graph::{
     Hull, Relations, Row,
     trial::{Draw, Drive, reach, robot, wheels},
 };
+use crate::motion::WheelHistory;
 
 #[test]
 fn a_key_frame_gives_way_only_to_one_that_shows_as_much() {
@@ -78,37 +79,97 @@ fn a_way_that_was_joined_over_boxes_which_are_taken_back_is_forgotten() {
     assert!(at < left.len() && !left[at] && left[1..].iter().filter(|is_linked| !**is_linked).count() == 1, "{left:?}");
 }
 
+/// A drive with a flow sensor, and key frames at all of its stamps but the last but two, whose ways are known as soon as they are there.
+struct WithLate {
+    drive: Drive,
+    frames: KeyFrames,
+    /// Place of the stamp without a key frame among those of the drive.
+    late: usize,
+    history: WheelHistory,
+}
+
+impl WithLate {
+    fn new(seed: u64) -> WithLate {
+        let drive = Drive::new(&mut Draw::new(seed), true, 4.0, 4);
+        let late = drive.stamps_s.len() - 3;
+        let history = drive.history(true);
+        let mut with_late = WithLate { drive, frames: KeyFrames::new(&robot()), late, history };
+        for at in (0..late).chain(late + 1..with_late.drive.stamps_s.len()) {
+            with_late.frames.push_beside(with_late.drive.stamps_s[at], with_late.pose(at), None);
+            let Unlinked { number, stamp_s: to_s, before, .. } = with_late.frames.unlinked().unwrap();
+            let ways = before.map_or((None, None), |(from_s, heading)| with_late.ways(from_s, to_s, heading));
+            with_late.frames.link(number, ways.0, ways.1, &[]);
+        }
+        with_late
+    }
+
+    fn pose(&self, at: usize) -> PoseBox {
+        IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(self.drive.poses[at][axis], 0.1)))
+    }
+
+    fn ways(&self, from_s: f64, to_s: f64, heading: Interval) -> Ways {
+        let way = self.history.way(from_s, to_s, &wheels(), &reach());
+        (way, self.history.flow_way(from_s, to_s, heading, &wheels(), &reach()))
+    }
+
+    /// Adds the late key frame by ways that `change` may change. Returns whether it was added.
+    fn insert(&mut self, change: &dyn Fn(&mut FlowWay)) -> bool {
+        let stamps_s = [0, 1, 2].map(|at| self.drive.stamps_s[self.late - 1 + at]);
+        let gap = self.frames.gap_for(stamps_s[1], "late", 0.1).unwrap();
+        let mut ways = [0, 1].map(|at| self.ways(stamps_s[at], stamps_s[at + 1], gap.heading));
+        ways.iter_mut().for_each(|(_, flow)| flow.iter_mut().for_each(change));
+        let reading = FrameReading::new("late", Arc::new(Displaced(self.drive.poses[self.late])), OFF);
+        self.frames.insert(&gap, stamps_s[1], self.pose(self.late), reading, ways)
+    }
+
+    fn links(&self) -> Vec<bool> {
+        self.frames.frames.iter().map(|frame| frame.link.is_some()).collect()
+    }
+
+    /// Whether each way by the flow sensor begins with the error of the place at which the way before ends.
+    fn shares_errors(&self) -> Vec<bool> {
+        let read = |frame: &KeyFrame| frame.link.as_ref().and_then(Link::read).is_some_and(|read| read.shares_error);
+        self.frames.frames.iter().skip(2).map(read).collect()
+    }
+}
+
 #[test]
 fn a_late_way_by_the_flow_sensor_is_forgotten_with_the_heading_that_it_was_computed_from() {
-    let mut draw = Draw::new(20_261_130);
-    let drive = Drive::new(&mut draw, true, 4.0, 4);
-    let history = drive.history(true);
-    let ways = |from_s, to_s, heading| -> Ways {
-        let way = history.way(from_s, to_s, &wheels(), &reach());
-        (way, history.flow_way(from_s, to_s, heading, &wheels(), &reach()))
-    };
-    let box_of = |truth: &[f64; 3]| IntervalBox::from([0, 1, 2].map(|axis| Interval::centred(truth[axis], 0.1)));
-    let mut frames = KeyFrames::new(&robot());
-    // All stamps but the last but two have key frames, whose ways are known as soon as they are there.
-    let late = drive.stamps_s.len() - 3;
-    for (at, (&stamp_s, truth)) in drive.stamps_s.iter().zip(&drive.poses).enumerate().filter(|(at, _)| *at != late) {
-        frames.push_beside(stamp_s, box_of(truth), None);
-        let Unlinked { number, stamp_s: to_s, before, .. } = frames.unlinked().unwrap();
-        let (way, flow) = before.map_or((None, None), |(from_s, heading)| ways(from_s, to_s, heading));
-        assert!(at == 0 || flow.is_some());
-        frames.link(number, way, flow, &[]);
-    }
-    let [before_s, stamp_s, after_s] = [0, 1, 2].map(|at| drive.stamps_s[late - 1 + at]);
-    let reading = |at: usize| FrameReading::new("late", Arc::new(Displaced(drive.poses[at])), OFF);
-    let gap = frames.gap_for(stamp_s, "late", 0.1).unwrap();
-    let both = [ways(before_s, stamp_s, gap.heading), ways(stamp_s, after_s, gap.heading)];
-    assert!(frames.insert(&gap, stamp_s, box_of(&drive.poses[late]), reading(late), both));
-    let links = |frames: &KeyFrames| frames.frames.iter().map(|frame| frame.link.is_some()).collect::<Vec<_>>();
+    let mut with_late = WithLate::new(20_261_130);
+    let late = with_late.late;
+    assert!(with_late.insert(&|_| ()));
+    assert!(with_late.links()[1..].iter().all(|is_linked| *is_linked));
     // The latest key frame has told of the heading, perhaps. Without it both ways about the late reading are gone, and the others stay.
-    frames.forget_since(after_s);
+    let after_s = with_late.drive.stamps_s[late + 1];
+    with_late.frames.forget_since(after_s);
     let mut expected = vec![true; late + 2];
     (expected[0], expected[late], expected[late + 1]) = (false, false, false);
-    assert_eq!(links(&frames), expected);
+    assert_eq!(with_late.links(), expected);
+}
+
+#[test]
+fn a_late_key_frame_is_left_out_where_its_ways_are_by_other_counts() {
+    let mut with_late = WithLate::new(20_261_131);
+    assert!(!with_late.insert(&|flow| flow.end_readings_s[0][0] -= 0.01));
+    assert!(!with_late.insert(&|flow| flow.end_error_m[1] += 1e-4));
+    assert!(with_late.insert(&|_| ()) && with_late.shares_errors().iter().all(|shares| *shares));
+}
+
+#[test]
+fn a_way_by_other_counts_shares_no_error_with_the_next_one() {
+    let mut with_late = WithLate::new(20_261_132);
+    assert!(with_late.shares_errors().iter().all(|shares| *shares));
+    // A further reading at the second key frame has the way to it read anew, by a count that arrived late.
+    let (number, stamp_s) = with_late.frames.stamps().nth(1).unwrap();
+    let reading = FrameReading::new("more", Arc::new(Displaced(with_late.drive.poses[1])), OFF);
+    assert!(with_late.frames.join(stamp_s, reading));
+    let Unlinked { before, .. } = with_late.frames.unlinked().unwrap();
+    let (from_s, heading) = before.unwrap();
+    let (way, mut flow) = with_late.ways(from_s, stamp_s, heading);
+    flow.iter_mut().for_each(|flow| flow.end_readings_s[1][0] += 0.001);
+    with_late.frames.link(number, way, flow, &[OFF]);
+    let shares = with_late.shares_errors();
+    assert!(!shares[0] && shares[1..].iter().all(|shares| *shares), "{shares:?}");
 }
 
 /// A reading that shows things of the map.
