@@ -108,8 +108,9 @@ impl Asked {
         let settings: Option<Vec<Setting>> = settings.map(|set| set.as_str()?.parse().ok()).collect();
         let settings = settings.ok_or_else(|| unknown("set", "texts KEY=VALUE in timing.json"))?;
         let file = SceneTemplate::load(Path::new(path))?.with(&settings)?;
-        let readings = summary["digest"]["readings"].as_str().map(str::to_owned);
-        Ok(Asked { file, seed, readings })
+        let readings = summary["digest"]["readings"].as_str();
+        let readings = readings.ok_or_else(|| unknown("digest.readings", "a digest in summary.json"))?;
+        Ok(Asked { file, seed, readings: Some(readings.to_owned()) })
     }
 }
 

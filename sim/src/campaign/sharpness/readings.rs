@@ -50,7 +50,8 @@ pub(super) fn unsupported(scene: &Scene) -> Option<(&'static str, String, &'stat
     }
     let other = scene.localizer.methods.iter().find(|method| !CHECKED.contains(method))?;
     let expected = "range_landmarks, floor_tiles, ceiling_markers and wall_directions only";
-    Some(("localizer.methods", format!("{other:?}"), expected))
+    let other = serde_json::to_string(other).unwrap_or_default();
+    Some(("localizer.methods", other, expected))
 }
 
 /// The methods whose claims or readings are checked.
