@@ -67,8 +67,8 @@ fn a_reading_at_a_key_frame_may_be_turned_by_what_the_gyroscope_reads_within_its
     assert!(turned.contains(0.01) && turned.contains(-0.01) && turned.hi() < 0.0101, "{turned}");
 }
 
-#[test]
-fn key_frames_that_are_made_while_another_is_worked_on_are_related_by_their_ways_too() {
+/// A localizer of a robot that has rested for a second, with key frames at 0.1, 0.4 and 0.7 s whose ways are not known yet.
+fn at_rest() -> Localizer {
     let robot = RobotModel { gyro: Some(gyro(false)), flow: None, ..robot() };
     let pose = PoseBox::from([Interval::centred(0.0, 0.1); 3]);
     let map = Map::of_room([Interval::new(-5.0, 5.0); 2]);
@@ -83,11 +83,46 @@ fn key_frames_that_are_made_while_another_is_worked_on_are_related_by_their_ways
         localizer.graph.frames.push(stamp_s, pose, Some(reading));
         localizer.graph.await_readings();
     }
+    localizer
+}
+
+/// Numbers of rows of the ways between the three key frames.
+fn n_rows_of_ways(localizer: &mut Localizer) -> [usize; 2] {
     let related = localizer.branches().next_program().unwrap();
     assert!(localizer.graph.frames.unlinked().is_none());
-    // Beside the three rows of the readings there are those of both ways.
-    let of_way = |span_s: [f64; 2]| {
+    [[0.1, 0.4], [0.4, 0.7]].map(|span_s: [f64; 2]| {
         related.rows.iter().filter(|row| row.readings.iter().any(|readings| readings.span_s == span_s)).count()
-    };
-    assert!(of_way([0.1, 0.4]) > 0 && of_way([0.4, 0.7]) > 0, "{:?}", related.rows);
+    })
+}
+
+#[test]
+fn key_frames_that_are_made_while_another_is_worked_on_are_related_by_their_ways_too() {
+    let [first, second] = n_rows_of_ways(&mut at_rest());
+    assert!(first > 0 && second > 0);
+}
+
+#[test]
+fn no_way_leads_across_the_end_of_a_doubt() {
+    let mut localizer = at_rest();
+    localizer.doubts.ended_s = 0.2;
+    let [first, second] = n_rows_of_ways(&mut localizer);
+    assert!(first == 0 && second > 0, "{first}, {second}");
+}
+
+#[test]
+fn no_way_is_by_wheels_that_are_known_to_have_slipped() {
+    let mut localizer = at_rest();
+    // Slip is noted from a second before it was seen to half a second after.
+    localizer.slip.certify([1.3, 1.4]);
+    let heading = Interval::ZERO;
+    assert!(localizer.ways([0.1, 0.25], heading).0.is_some());
+    assert!(localizer.ways([0.1, 0.4], heading).0.is_none() && localizer.ways([0.4, 0.7], heading).0.is_none());
+}
+
+#[test]
+fn a_doubt_forgets_the_key_frames_of_the_last_seconds() {
+    let mut localizer = at_rest();
+    localizer.now_s = 3.3;
+    localizer.begin_doubt(None);
+    assert_eq!(localizer.graph.frames.stamps().map(|(_, stamp_s)| stamp_s).collect::<Vec<_>>(), [0.1]);
 }
