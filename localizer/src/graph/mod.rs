@@ -38,7 +38,7 @@ pub use place::SeenPlace;
 pub use related::{BoxLabel, Readings, Related, RowLabel, Suspect};
 pub use relations::{Disc, Relations};
 pub use row::Row;
-pub use sighting::sighting_rows;
+pub use sighting::{Columns, sighting_rows};
 pub use stray::Stray;
 pub use way::way_rows;
 pub use width::WidthParts;

@@ -61,6 +61,14 @@ impl Row {
         parts.iter().fold(self, |row, &(bound, half)| row.with_part(bound, times * half))
     }
 
+    /// The same row, of which a share of the part that one declared bound makes is made by another one.
+    pub(crate) fn with_share_of(mut self, bound: Assumption, by: Assumption, share: f64) -> Row {
+        let Some((_, half)) = self.parts.iter_mut().find(|(other, _)| *other == bound) else { return self };
+        let moved = *half * share;
+        *half -= moved;
+        self.with_part(by, moved)
+    }
+
     /// The same row, which comes from readings of the device with the given name, too.
     pub(crate) fn by_device(mut self, device: &'static str) -> Row {
         if !self.devices.contains(&device) {

@@ -16,24 +16,61 @@
 
 use interval::Interval;
 
-use crate::{bounds, reading::Sighting, robot::RangeCameraModel};
+use crate::{
+    bounds,
+    reading::{LandmarkId, Sighting},
+    robot::RangeCameraModel,
+};
 
 use super::{
     Constant, Domain, Row, Variable,
     row::{axes, cosine_rest, dot, sine_rest},
 };
 
-/// The rows of a sighting at key frame number `frame`: across the ray of the first view, across that of the second, and in depth. None where the
-/// disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame, beside what the domain has as a quantity
-/// of the landmark ([`Variable::TiltedLandmark`]).
-pub fn sighting_rows(
-    camera: &RangeCameraModel,
-    blur_m: f64,
-    sighting: &Sighting,
-    frame: usize,
-    domain: &Domain,
-) -> Vec<Row> {
-    Sight::new(camera, blur_m, sighting, frame, domain).map_or_else(Vec::new, |sight| {
+/// Columns in which a range camera's two views show a landmark, counted from the optical axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Columns {
+    /// Column in the first view.
+    pub first_px: Interval,
+    /// Column in the second view.
+    pub second_px: Interval,
+    /// Column in the first view less that in the second.
+    pub disparity_px: Interval,
+}
+
+impl Columns {
+    /// The columns at which a sighting truly was.
+    pub fn of(camera: &RangeCameraModel, sighting: &Sighting) -> Columns {
+        let cell = |read_px: f64, step_px: f64| (Interval::point(read_px) - camera.centre_px).inflate(0.5 * step_px);
+        let (first_px, second_px) =
+            (cell(sighting.left_px, camera.step_px[0]), cell(sighting.right_px, camera.step_px[1]));
+        Columns { first_px, second_px, disparity_px: first_px - second_px }
+    }
+
+    /// Hull of a function of the column in the first view and of the disparity that for either of them alone is greatest and least at its ends, when the
+    /// other one, or the column in the second view, is known.
+    pub fn hull_over<const N: usize>(&self, value: impl Fn(Interval, Interval) -> [Interval; N]) -> [Interval; N] {
+        let ends = |side: Interval| [side.lo(), side.hi()].map(Interval::point);
+        let over = |disparities: &dyn Fn(Interval) -> [Interval; 2]| {
+            let mut hull = [Interval::EMPTY; N];
+            for first_px in ends(self.first_px) {
+                for disparity_px in disparities(first_px) {
+                    let corner = value(first_px, disparity_px);
+                    hull = std::array::from_fn(|side| hull[side].hull(corner[side]));
+                }
+            }
+            hull
+        };
+        let by_columns = over(&|first_px| ends(self.second_px).map(|second_px| first_px - second_px));
+        let by_disparity = over(&|_| ends(self.disparity_px));
+        std::array::from_fn(|side| by_columns[side].intersect(by_disparity[side]))
+    }
+}
+
+/// The rows of a sighting of a landmark at key frame number `frame`: across the ray of the first view, across that of the second, and in depth. None
+/// where the disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame, beside what the domain has as a quantity of the landmark ([`Variable::TiltedLandmark`]).
+pub fn sighting_rows(landmark: LandmarkId, columns: Columns, blur_m: f64, frame: usize, domain: &Domain) -> Vec<Row> {
+    Sight::new(landmark, columns, blur_m, frame, domain).map_or_else(Vec::new, |sight| {
         vec![sight.across_ray(View::First), sight.across_ray(View::Second), sight.in_depth()]
     })
 }
@@ -58,8 +95,7 @@ struct Sight<'a> {
     heading: Variable,
     /// Possible δ = φ − φ₀.
     delta: Interval,
-    /// Columns of the first and the second view, counted from the optical axis.
-    columns_px: [Interval; 2],
+    columns: Columns,
     baseline_m: Interval,
     /// Depth and place to the right at which the columns put the landmark, without tilts.
     depth_m: Interval,
@@ -68,16 +104,8 @@ struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    fn new(
-        camera: &RangeCameraModel,
-        blur_m: f64,
-        sighting: &Sighting,
-        frame: usize,
-        domain: &'a Domain,
-    ) -> Option<Sight<'a>> {
-        let cell = |read_px: f64, step_px: f64| (Interval::point(read_px) - camera.centre_px).inflate(0.5 * step_px);
-        let columns_px = [cell(sighting.left_px, camera.step_px[0]), cell(sighting.right_px, camera.step_px[1])];
-        let disparity_px = columns_px[0] - columns_px[1];
+    fn new(landmark: LandmarkId, columns: Columns, blur_m: f64, frame: usize, domain: &'a Domain) -> Option<Sight<'a>> {
+        let disparity_px = columns.disparity_px;
         if disparity_px.lo() <= 0.0 {
             return None;
         }
@@ -87,12 +115,8 @@ impl<'a> Sight<'a> {
         let yaw = Variable::Constant(Constant::RangeYaw);
         let heading_0 = Interval::point(domain.reference(heading));
         let [ahead, left] = axes(heading_0 + Interval::point(domain.reference(yaw)));
-        // u·b/(u − w) = b·(1 + w/(u − w)): the hull over the corners of the cell, as the quotient is monotonic in each column.
-        let quotient = |u: f64, w: f64| Interval::point(u) / (Interval::point(u) - w);
-        let [u, w] = columns_px;
-        let share = [(u.lo(), w.lo()), (u.lo(), w.hi()), (u.hi(), w.lo()), (u.hi(), w.hi())]
-            .into_iter()
-            .fold(Interval::EMPTY, |hull, (u, w)| hull.hull(quotient(u, w)));
+        // u·b/(u − w) = b·(1 + w/(u − w)) is monotonic in each column, and in the disparity.
+        let [share] = columns.hull_over(|first_px, disparity_px| [first_px / disparity_px]);
         let mut sight = Sight {
             domain,
             parts: Vec::new(),
@@ -101,18 +125,18 @@ impl<'a> Sight<'a> {
             left,
             heading,
             delta: domain.deviation(heading) + domain.deviation(yaw),
-            columns_px,
+            columns,
             baseline_m,
             depth_m: focal_px * baseline_m / disparity_px,
             right_m: baseline_m * share,
             blur_m: Interval::centred(0.0, blur_m),
         };
-        sight.place(sighting, frame, heading_0);
+        sight.place(landmark, frame, heading_0);
         Some(sight)
     }
 
     /// Sets D = L − P − R(θ)·(a − t) and how it changes with each quantity.
-    fn place(&mut self, sighting: &Sighting, frame: usize, heading_0: Interval) {
+    fn place(&mut self, landmark: LandmarkId, frame: usize, heading_0: Interval) {
         let domain = self.domain;
         let unit = [[Interval::point(1.0), Interval::ZERO], [Interval::ZERO, Interval::point(1.0)]];
         let reference = |variables: [Variable; 2]| variables.map(|one| Interval::point(domain.reference(one)));
@@ -122,19 +146,18 @@ impl<'a> Sight<'a> {
         let position = [0, 1].map(|axis| Variable::Constant(Constant::RangePosition(axis)));
         let lever_0 = turned(reference(position));
         for axis in 0..2 {
-            let (landmark, pose) = (Variable::Landmark(sighting.landmark, axis), Variable::Pose(frame, axis));
-            self.parts.push((landmark, unit[axis]));
+            let (place, pose) = (Variable::Landmark(landmark, axis), Variable::Pose(frame, axis));
+            self.parts.push((place, unit[axis]));
             self.parts.push((pose, unit[axis].map(|side| -side)));
             self.parts.push((position[axis], body[axis].map(|side| -side)));
-            self.at_reference[axis] =
-                Interval::point(domain.reference(landmark)) - domain.reference(pose) - lever_0[axis];
+            self.at_reference[axis] = Interval::point(domain.reference(place)) - domain.reference(pose) - lever_0[axis];
         }
         self.parts.push((self.heading, [lever_0[1], -lever_0[0]]));
         let turn = Interval::point(domain.deviation(self.heading).magnitude());
         let lever_m = length(position.map(|axis| domain.value(axis)));
         let off_m = length(position.map(|axis| domain.deviation(axis)));
         let mut bent_m = turn * turn * lever_m / 2.0 + turn * off_m;
-        let tilted = [0, 1].map(|axis| Variable::TiltedLandmark(sighting.landmark, axis));
+        let tilted = [0, 1].map(|axis| Variable::TiltedLandmark(landmark, axis));
         if tilted.iter().all(|&side| !domain.value(side).is_empty()) {
             self.parts.extend(tilted.into_iter().zip(body));
             let tilted_0 = turned(reference(tilted));
@@ -164,8 +187,8 @@ impl<'a> Sight<'a> {
         let focal_0 = Interval::point(self.domain.reference(focal));
         let baseline_0 = Interval::point(self.domain.reference(baseline));
         let (column_px, right_m) = match view {
-            View::First => (self.columns_px[0], self.right_m),
-            View::Second => (self.columns_px[1], self.right_m - self.baseline_m),
+            View::First => (self.columns.first_px, self.right_m),
+            View::Second => (self.columns.second_px, self.right_m - self.baseline_m),
         };
         let column_0 = Interval::point(column_px.mid());
         let length = (focal_0 * focal_0 + column_0 * column_0).sqrt();
@@ -201,8 +224,7 @@ impl<'a> Sight<'a> {
         let (focal_0, baseline_0) = (self.domain.reference(focal), self.domain.reference(baseline));
         let (focal_share, baseline_share) =
             (self.domain.deviation(focal) / focal_0, self.domain.deviation(baseline) / baseline_0);
-        let disparity_px = self.columns_px[0] - self.columns_px[1];
-        let by_columns_m = Interval::point(focal_0) * baseline_0 / disparity_px;
+        let by_columns_m = Interval::point(focal_0) * baseline_0 / self.columns.disparity_px;
         let depth_0 = Interval::point(by_columns_m.mid());
         let right_0 = Interval::point(self.right_m.mid());
         let mut sides = by_columns_m
@@ -220,10 +242,7 @@ impl<'a> Sight<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        graph::trial::{Draw, camera, rounds},
-        reading::LandmarkId,
-    };
+    use crate::graph::trial::{Draw, camera, rounds};
 
     #[test]
     fn the_truth_satisfies_every_row_at_the_corners_of_all_bounds() {
@@ -282,7 +301,8 @@ mod tests {
             let left_px = read(columns[0], model.step_px[0], &mut draw);
             let right_px = read(columns[1], model.step_px[1], &mut draw);
             let sighting = Sighting { landmark, left_px, right_px };
-            for (idx, row) in sighting_rows(&model, blur_m, &sighting, 3, &domain).iter().enumerate() {
+            let columns = Columns::of(&model, &sighting);
+            for (idx, row) in sighting_rows(landmark, columns, blur_m, 3, &domain).iter().enumerate() {
                 let value = row.value_at(|variable| truth[&variable] - domain.reference(variable));
                 assert!(row.sides.inflate(1e-12).contains(value), "round {round}, row {idx}: {value}, {}", row.sides);
             }
@@ -310,7 +330,7 @@ mod tests {
         let model = camera();
         // Depth 400·0.12/24 = 2 m, on the axis of the first view.
         let sighting = Sighting { landmark: LandmarkId(1), left_px: model.centre_px, right_px: model.centre_px - 24.0 };
-        let rows = sighting_rows(&model, 0.0, &sighting, 0, &domain);
+        let rows = sighting_rows(LandmarkId(1), Columns::of(&model, &sighting), 0.0, 0, &domain);
         let across_m = rows[0].sides.width();
         assert!((across_m - 0.125 / 400.0 * 2.0).abs() < 1e-5, "{across_m}");
         // The disparity is 24 ± 0.125 px, and the depth 2 m ± 0.125/24.

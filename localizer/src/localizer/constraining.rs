@@ -10,7 +10,13 @@ use crate::{
     reading::LandmarkId,
 };
 
-use super::{Account, Dropped, Localizer, Observed, moves::motion_between, naming, relating::Relating, ring::Slot};
+use super::{
+    Account, Dropped, Localizer, Observed,
+    moves::{motion_between, stray_about},
+    naming,
+    relating::Relating,
+    ring::Slot,
+};
 
 impl Localizer {
     /// Lets every method read an image or other reading, and applies the resulting constraints at the reading's own stamp.
@@ -79,7 +85,9 @@ impl Localizer {
             Some(motion)
         };
         let earlier = self.windows[method].carried_to(stamp_s, &motion);
-        let context = Context { prior, twist: &twist, motion: &motion, earlier: &earlier, set_aside: &self.set_aside };
+        let stray = |stamp_s, error_s| stray_about(wheels, robot, slip, doubt_ended_s, [stamp_s, error_s]);
+        let (earlier, set_aside) = (earlier.as_slice(), self.set_aside.as_slice());
+        let context = Context { prior, twist: &twist, motion: &motion, stray: &stray, earlier, set_aside };
         let constraint = self.methods[method].constrain(reading, &context)?;
         if let Some(shown) = constraint.shown.as_ref().filter(|_| constraint.is_held) {
             self.windows[method].hold(stamp_s, Arc::clone(shown));

@@ -3,6 +3,7 @@
 use crate::{
     RobotModel, bounds,
     bounds::Assumption,
+    graph::Stray,
     motion::{Motion, WheelHistory},
 };
 
@@ -95,6 +96,27 @@ pub(super) fn motion_between(
     let rolled = wheels.motion(from_s, to_s, &robot.wheels, &robot.reach);
     let flow = wheels.flow_motion(from_s, to_s, &robot.wheels, &robot.reach);
     slip.motion([from_s, to_s], rolled, flow, wheels, robot)
+}
+
+/// How far the robot can have gone within the error of a stamp: by its limits of motion, by the gyroscope, and by the wheels where they are believed,
+/// which is since the latest doubt ended.
+pub(super) fn stray_about(
+    wheels: &WheelHistory,
+    robot: &RobotModel,
+    slip: &CertifiedSlip,
+    doubt_ended_s: f64,
+    [stamp_s, error_s]: [f64; 2],
+) -> Stray {
+    let (model, reach) = (&robot.wheels, &robot.reach);
+    let mut stray = Stray::by_reach(error_s, reach);
+    if let Some(turn_rad) = wheels.greatest_turn_about(stamp_s, error_s, model, reach) {
+        stray.radians = stray.radians.min(turn_rad);
+    }
+    let is_believed = |span_s: [f64; 2]| span_s[0] >= doubt_ended_s && !slip.covers(span_s);
+    if let Some(travel_m) = wheels.greatest_travel_about(stamp_s, error_s, model, reach, &is_believed) {
+        stray.metres = stray.metres.min(travel_m);
+    }
+    stray
 }
 
 /// Declared bounds that a prediction of the motion relies on while nothing is doubted.

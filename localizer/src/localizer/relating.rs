@@ -11,7 +11,7 @@ use crate::{
     reading::Shown,
 };
 
-use super::{Localizer, bounding::Graph, branches, ring::Slot};
+use super::{Localizer, bounding::Graph, branches, moves::stray_about, ring::Slot};
 
 /// Least time from a key frame to one without a reading or with one of the map, and between two key frames of a drive that is kept as a whole.
 const PERIOD_S: f64 = 1.0;
@@ -121,19 +121,9 @@ impl Localizer {
         (way, self.wheels.flow_way(from_s, to_s, heading, wheels, reach))
     }
 
-    /// How far the robot can have gone within the error of a stamp: by its limits of motion, by the gyroscope, and by the wheels where they are
-    /// believed.
+    /// How far the robot can have gone within the error of a stamp.
     fn stray_at(&self, stamp_s: f64, error_s: f64) -> Stray {
-        let (wheels, reach) = (&self.robot.wheels, &self.robot.reach);
-        let mut stray = Stray::by_reach(error_s, reach);
-        if let Some(turn_rad) = self.wheels.greatest_turn_about(stamp_s, error_s, wheels, reach) {
-            stray.radians = stray.radians.min(turn_rad);
-        }
-        let is_believed = |span_s: [f64; 2]| span_s[0] >= self.doubts.ended_s && !self.slip.covers(span_s);
-        if let Some(travel_m) = self.wheels.greatest_travel_about(stamp_s, error_s, wheels, reach, &is_believed) {
-            stray.metres = stray.metres.min(travel_m);
-        }
-        stray
+        stray_about(&self.wheels, &self.robot, &self.slip, self.doubts.ended_s, [stamp_s, error_s])
     }
 
     /// Computes, from the readings that have arrived, the ways to the key frames that have none yet, and how far the robot can have gone within the

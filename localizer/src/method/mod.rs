@@ -13,7 +13,7 @@ use interval::contractor::Contractor;
 use crate::{
     PoseBox, PoseUnion, Reading,
     bounds::Assumption,
-    graph::Relations,
+    graph::{Relations, Stray},
     markers::MarkerId,
     motion::{Motion, Twist},
     quota::Quota,
@@ -64,6 +64,8 @@ pub struct Context<'a> {
     /// known which: for spans during that doubt, and for spans that began before its end, the motion comes from the robot's limits of speed and turn
     /// rate.
     pub motion: MotionBetween<'a>,
+    /// How far the robot can have gone within the error of a stamp.
+    pub stray: StrayWithin<'a>,
     /// The method's earlier readings that are held, the oldest first, as seen from the reading's stamp.
     pub earlier: &'a [Earlier],
     /// Markers that earlier contradictions showed not to be where the map has them. What a reading shows of them is left out.
@@ -74,13 +76,17 @@ impl<'a> Context<'a> {
     /// The context of a robot at rest of whose motion before nothing is remembered.
     pub fn at_rest(prior: &'a PoseUnion) -> Context<'a> {
         const REST: Twist = Twist { forward_m_per_s: 0.0, turn_rad_per_s: 0.0 };
-        Context { prior, twist: &REST, motion: &|_, _| None, earlier: &[], set_aside: &[] }
+        let stray: StrayWithin = &|_, _| Stray::default();
+        Context { prior, twist: &REST, motion: &|_, _| None, stray, earlier: &[], set_aside: &[] }
     }
 }
 
 /// Function that gives the robot's motion from one stamp to a later one, in the frame of the robot at the first stamp; `None` where the remembered
 /// motion readings do not cover the span between the stamps.
 pub type MotionBetween<'a> = &'a dyn Fn(f64, f64) -> Option<Motion>;
+
+/// Function that gives, for a stamp and its greatest error, how far the robot can have gone between the stamp and the true instant.
+pub type StrayWithin<'a> = &'a dyn Fn(f64, f64) -> Stray;
 
 /// Contractor on boxes of poses: x, y and heading.
 pub type OnPose = Box<dyn Contractor<3> + Send + Sync>;

@@ -14,6 +14,10 @@
 //! windows. Consecutive means measured one after the other, in whatever order the readings arrive (`in_order`). With a `wrong_spacing` of 0
 //! every sighting may be wrong, and no landmark is ever learnt.
 //!
+//! A sighting whose code may be wrong relates nothing by itself. Of `wrong_spacing + 1` consecutive sightings with one code, carried to the latest by
+//! the robot's motion, all but one are right, which tells where that reading surely shows the landmark (`agreed`); and some codes are certainly right
+//! (`codes`).
+//!
 //! **Contradiction.** As long as the declared bounds hold, the place learnt before and the place learnt from the latest window overlap,
 //! whichever of the matches are wrong. Where they do not overlap, nothing of the reading is learnt, and the localizer is notified.
 //!
@@ -22,13 +26,14 @@
 //!
 //! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame, as its section II asks, by the graph.
 
+mod agreed;
 mod atlas;
 mod codes;
 mod in_order;
 mod sight;
 mod solver;
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use interval::Interval;
 use interval::contractor::Outcome;
@@ -36,12 +41,13 @@ use interval::contractor::Outcome;
 use crate::{
     PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
-    graph::Variable,
+    graph::{Columns, Stray, Variable},
     method::{Claim, Constraint, Context, Knowledge, Memory, Method, OnPose, Shown},
     quota::Quota,
-    reading::LandmarkId,
+    reading::{LandmarkId, Sighting},
 };
 
+use agreed::{Use, agreed_columns};
 use atlas::Atlas;
 use codes::{CodeUses, RightCodes};
 use in_order::{InOrder, Learnt};
@@ -67,6 +73,10 @@ const RELIES_ON: [Assumption; 14] = [
     bounds::RANGE_LANDMARKS_WRONG_SPACING,
 ];
 
+/// Greatest number of earlier readings that tell the columns of landmarks with possibly wrong codes. The robot's motion since tells less and less of
+/// older ones.
+const MOST_EARLIER: usize = 8;
+
 /// Method that localizes the robot by coded landmarks which are on no map and whose places are learnt.
 pub struct RangeLandmarks {
     sensor: Sensor,
@@ -78,6 +88,8 @@ pub struct RangeLandmarks {
     in_order: InOrder,
     /// The latest uses of each landmark's code, which tell what codes are certainly right.
     code_uses: CodeUses,
+    /// Numbers of the latest uses of each landmark's code, which follow each other where the uses do.
+    n_uses: BTreeMap<LandmarkId, usize>,
     /// Whether, since the localizer last asked for contradictions, a reading contradicted what was known about the landmarks.
     contradicts: bool,
 }
@@ -94,6 +106,9 @@ struct Shows {
     stamp_s: f64,
     arrived_s: f64,
     seen: Vec<Seen>,
+    uses: Vec<Use>,
+    /// How far the robot can have gone within the error of the reading's stamp.
+    stray: Stray,
     codes: Arc<RightCodes>,
 }
 
@@ -109,6 +124,7 @@ impl RangeLandmarks {
             solver,
             in_order: InOrder::new(camera),
             code_uses: CodeUses::new(camera.q_items, camera.wrong_spacing),
+            n_uses: BTreeMap::new(),
             contradicts: false,
         })
     }
@@ -118,6 +134,13 @@ impl RangeLandmarks {
     fn interrupt(&mut self) {
         self.atlas.interrupt();
         self.code_uses.interrupt();
+        self.part_uses();
+    }
+
+    /// Sees to it that no later use of a code counts as consecutive to one before.
+    fn part_uses(&mut self) {
+        let wrong_spacing = self.sensor.camera.wrong_spacing;
+        self.n_uses.values_mut().for_each(|n_uses| *n_uses += wrong_spacing);
     }
 
     /// Learns landmarks from the next reading in the order of measurement.
@@ -135,6 +158,14 @@ impl RangeLandmarks {
             return;
         }
         self.code_uses.take_in(&codes, &learnt.codes);
+    }
+
+    /// The next use of a landmark's code.
+    fn used(&mut self, sighting: &Sighting) -> Use {
+        let n_uses = self.n_uses.entry(sighting.landmark).or_default();
+        *n_uses += 1;
+        let columns = Columns::of(&self.sensor.camera, sighting);
+        Use { landmark: sighting.landmark, number: *n_uses, columns }
     }
 
     /// Whether the readings' relations are used: where the heading is known beforehand, as in the paper's simpler tables, or another solver is to be
@@ -159,13 +190,23 @@ impl Method for RangeLandmarks {
         matches!(reading, Reading::Range { .. })
     }
 
-    fn constrain(&mut self, reading: &Reading, _context: &Context) -> Option<Constraint> {
+    fn n_earlier(&self) -> usize {
+        let camera = &self.sensor.camera;
+        if self.relates() && self.q_items > 0 && self.in_order.is_by_arrival() {
+            camera.wrong_spacing.min(MOST_EARLIER)
+        } else {
+            0
+        }
+    }
+
+    fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
         let Reading::Range { measured_s, arrived_s, sightings } = reading else { return None };
         if sightings.is_empty() {
             return None;
         }
         let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).collect();
         let codes = Arc::new(RightCodes::new(sightings.len(), self.q_items == 0));
+        let uses: Vec<Use> = sightings.iter().map(|one| self.used(one)).collect();
         let pairs = self.pairs(&seen);
         let decides = pairs.len() >= 2 + self.q_items;
         let claim = |seen: &Seen| Claim::Landmark { landmark: seen.landmark, in_robot_m: seen.in_robot_m };
@@ -175,6 +216,9 @@ impl Method for RangeLandmarks {
             self.in_order.push(*measured_s, None);
             return None;
         }
+        let stray = (context.stray)(*measured_s, self.sensor.camera.stamp_error_s);
+        let despite_wrong = agreed_columns(&self.sensor, (*measured_s, &stray), &uses, context.earlier);
+        let sightings = Sightings::new(&self.sensor, sightings, codes.clone(), &despite_wrong);
         let on_pose = PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver);
         let (stamp_s, arrived_s) = (*measured_s, *arrived_s);
         Some(Constraint {
@@ -182,8 +226,9 @@ impl Method for RangeLandmarks {
             claims,
             quota: Quota::of_each(self.q_items),
             decides,
-            relations: self.relates().then(|| Arc::new(Sightings::new(&self.sensor, sightings, codes.clone())) as _),
-            shown: Some(Arc::new(Shows { stamp_s, arrived_s, seen, codes })),
+            relations: self.relates().then(|| Arc::new(sightings) as _),
+            shown: Some(Arc::new(Shows { stamp_s, arrived_s, seen, uses, stray, codes })),
+            is_held: self.n_earlier() > 0,
             ..Constraint::new(self.name(), *measured_s, on_pose)
         })
     }
@@ -199,7 +244,7 @@ impl Method for RangeLandmarks {
 
 impl Memory for RangeLandmarks {
     fn learn(&mut self, shown: &Shown, posterior: Option<&PoseUnion>) {
-        let Some(Shows { stamp_s, arrived_s, seen, codes }) = shown.downcast_ref() else { return };
+        let Some(Shows { stamp_s, arrived_s, seen, codes, .. }) = shown.downcast_ref() else { return };
         let learnt = |posterior: &PoseUnion| Learnt {
             posterior: posterior.clone(),
             seen: seen.clone(),
@@ -208,6 +253,8 @@ impl Memory for RangeLandmarks {
         let is_doubted = posterior.is_none();
         self.in_order.push(*stamp_s, posterior.filter(|posterior| !posterior.is_empty()).map(learnt));
         if is_doubted {
+            // At the end of a doubt readings may be left out.
+            self.part_uses();
             return;
         }
         for (_, learnt) in self.in_order.take(*arrived_s) {

@@ -56,6 +56,11 @@ impl InOrder {
         InOrder { order, waiting: Vec::new(), handed_on_s: f64::NEG_INFINITY }
     }
 
+    /// Whether readings arrive in the order in which they were measured.
+    pub(super) fn is_by_arrival(&self) -> bool {
+        self.order == Order::Arrival
+    }
+
     /// Adds a reading to those that wait; `learnt` is `None` for one that is not learnt from.
     pub(super) fn push(&mut self, stamp_s: f64, learnt: Option<Learnt>) {
         // A reading that arrives later than any should has already been missed at its place in the order, and is not learnt from.

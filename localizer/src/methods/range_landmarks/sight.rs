@@ -30,7 +30,7 @@ use interval::Interval;
 use crate::{
     PoseBox, RobotModel,
     bounds::{self, Assumption},
-    graph::{Disc, Domain, Relations, Row, Stray, Variable, sighting_rows},
+    graph::{Columns, Disc, Domain, Relations, Row, Stray, Variable, sighting_rows},
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
 };
@@ -50,8 +50,8 @@ pub struct Seen {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
     pub(super) camera: RangeCameraModel,
-    body: BodyModel,
-    reach: Reach,
+    pub(super) body: BodyModel,
+    pub(super) reach: Reach,
 }
 
 /// Greatest tilt of body and mount together for which a sighting is evaluated; beyond it nothing is said about the landmark's place.
@@ -72,37 +72,44 @@ impl Sensor {
     }
 
     fn in_robot(&self, sighting: &Sighting) -> Option<[Interval; 2]> {
+        self.in_robot_by(&Columns::of(&self.camera, sighting))
+    }
+
+    /// Box in the robot frame of a landmark with the given columns.
+    fn in_robot_by(&self, columns: &Columns) -> Option<[Interval; 2]> {
         let camera = &self.camera;
-        let in_view = self.hull_of_cell(sighting, camera.yaw_rad)?;
+        let in_view = self.in_view(columns, camera.yaw_rad)?;
         let blur_m = self.displacement(in_view, &Stray::by_reach(camera.stamp_error_s, &self.reach))?;
         Some([0, 1].map(|axis| (in_view[axis] + camera.position_m[axis]).inflate(blur_m)))
     }
 
     /// Box of a landmark in the sensor frame: x right, z forward. `None` when the disparity may be 0.
     pub fn in_sensor(&self, sighting: &Sighting) -> Option<[Interval; 2]> {
-        let [forward_m, left_m] = self.hull_of_cell(sighting, Interval::ZERO)?;
+        let [forward_m, left_m] = self.in_view(&Columns::of(&self.camera, sighting), Interval::ZERO)?;
         Some([-left_m, forward_m])
     }
 
-    /// Hull of the sighting's quadrilateral along the axes turned back by `yaw_rad`: forward and left of the optical centre.
-    fn hull_of_cell(&self, sighting: &Sighting, yaw_rad: Interval) -> Option<[Interval; 2]> {
+    /// Hull of the places with the given columns along the axes turned back by `yaw_rad`: forward and left of the optical centre.
+    pub(super) fn in_view(&self, columns: &Columns, yaw_rad: Interval) -> Option<[Interval; 2]> {
         let camera = &self.camera;
-        let cell = |read_px: f64, step_px: f64| (Interval::point(read_px) - camera.centre_px).inflate(0.5 * step_px);
-        let (left, right) = (cell(sighting.left_px, camera.step_px[0]), cell(sighting.right_px, camera.step_px[1]));
-        if (left - right).lo() <= 0.0 {
+        if columns.disparity_px.lo() <= 0.0 {
             return None;
         }
         let (cosine, sine) = (yaw_rad.cos(), yaw_rad.sin());
-        let mut hull = [Interval::EMPTY; 2];
-        for u in [left.lo(), left.hi()] {
-            for w in [right.lo(), right.hi()] {
-                let scale = camera.baseline_m / (Interval::point(u) - w);
-                let corner =
-                    [camera.focal_px * cosine + sine * u, camera.focal_px * sine - cosine * u].map(|side| scale * side);
-                hull = [0, 1].map(|axis| hull[axis].hull(corner[axis]));
-            }
-        }
-        Some(hull)
+        Some(columns.hull_over(|first_px, disparity_px| {
+            let along = [camera.focal_px * cosine + sine * first_px, camera.focal_px * sine - cosine * first_px];
+            along.map(|side| camera.baseline_m / disparity_px * side)
+        }))
+    }
+
+    /// Greatest distance by which the body's tilt and heave and the stamp's error move a landmark in the robot frame, beside what the tilt of the mount
+    /// makes whenever it is seen.
+    pub(super) fn sway_m(&self, in_view: [Interval; 2], stray: &Stray) -> Option<f64> {
+        let by_tilts_m: f64 = self.blur_m(in_view)?.iter().sum();
+        let shift_m = self.shift_m(stray);
+        let away_m =
+            length(self.camera.position_m) + length(in_view) + by_tilts_m + self.mount_displacement_m() + shift_m;
+        Some((by_tilts_m + shift_m + stray.radians * away_m) * ABOVE)
     }
 
     /// Greatest distance by which tilts and stamp error move a landmark in the robot frame, in any direction. `stray` bounds the robot's motion
@@ -139,7 +146,7 @@ impl Sensor {
     }
 
     /// Greatest distance by which the tilt of the mount alone moves a landmark in the robot frame, in the same way whenever it is seen.
-    fn mount_displacement_m(&self) -> f64 {
+    pub(super) fn mount_displacement_m(&self) -> f64 {
         self.camera.height_span_m * self.camera.tilt_rad.sin() * ABOVE
     }
 
@@ -159,65 +166,98 @@ impl Sensor {
 /// The sightings of one reading as relations between the pose, the landmarks and the constants of the camera.
 pub(super) struct Sightings {
     sensor: Sensor,
+    /// In the order of the sightings in the reading.
     sighted: Vec<Sighted>,
     codes: Arc<RightCodes>,
     /// Whether a code may be wrong.
     may_be_wrong: bool,
 }
 
-/// Least number of sightings with certainly right codes for a reading to be worth a key frame where codes may be wrong: two give a pose, and the more
-/// there are, the narrower it is.
-const FEWEST_RIGHT: usize = 4;
+/// Least number of landmarks that are certain in a reading for it to be worth a key frame where codes may be wrong: two give a pose, and the more there
+/// are, the narrower it is.
+const FEWEST_CERTAIN: usize = 4;
 
-/// A sighting whose disparity cannot be 0.
+/// A sighting of a reading.
 struct Sighted {
-    /// Number of the sighting in its reading.
-    number: usize,
-    sighting: Sighting,
+    /// Where it puts the landmark if its code is right; `None` where the disparity may be 0.
+    if_right: Option<Place>,
+    /// Where the landmark certainly is, although the code of a sighting may be wrong.
+    despite_wrong: Option<Place>,
+}
+
+/// Where a reading shows a landmark.
+#[derive(Clone, Copy)]
+struct Place {
+    columns: Columns,
+    /// Box in which the landmark is seen from the camera, along the axes of the robot frame.
+    in_view: [Interval; 2],
     /// The landmark with its box in the robot frame.
     seen: Seen,
-    /// Box in which the landmark was seen from the camera, along the axes of the robot frame.
-    in_view: [Interval; 2],
+    /// What share of the columns' widths comes from the robot's motion since an earlier reading.
+    by_motion: f64,
+}
+
+impl Place {
+    fn new(sensor: &Sensor, landmark: LandmarkId, columns: Columns) -> Option<Place> {
+        let in_view = sensor.in_view(&columns, sensor.camera.yaw_rad)?;
+        let in_robot_m = sensor.in_robot_by(&columns)?;
+        let by_motion = (1.0 - sensor.camera.step_px[0] / columns.first_px.width()).max(0.0);
+        Some(Place { columns, in_view, seen: Seen { landmark, in_robot_m }, by_motion })
+            .filter(|place| place.seen.is_bounded())
+    }
 }
 
 impl Sightings {
     /// The relations of those sightings whose disparity cannot be 0. `codes` says which of them certainly have the right code, by the time at which
-    /// it is asked.
-    pub(super) fn new(sensor: &Sensor, sightings: &[Sighting], codes: Arc<RightCodes>) -> Sightings {
-        let sighted = sightings.iter().enumerate().filter_map(|(number, sighting)| {
-            let in_view = sensor.hull_of_cell(sighting, sensor.camera.yaw_rad)?;
-            let seen = sensor.seen(sighting);
-            seen.is_bounded().then_some(Sighted { number, sighting: *sighting, seen, in_view })
+    /// it is asked; `despite_wrong` has, for each sighting, the columns at which the reading certainly shows the landmark that its code names, where
+    /// that is known.
+    pub(super) fn new(
+        sensor: &Sensor,
+        sightings: &[Sighting],
+        codes: Arc<RightCodes>,
+        despite_wrong: &[Option<Columns>],
+    ) -> Sightings {
+        let place = |landmark, columns| Place::new(sensor, landmark, columns);
+        let sighted = sightings.iter().enumerate().map(|(number, sighting)| {
+            let landmark = sighting.landmark;
+            let despite_wrong = despite_wrong.get(number).copied().flatten();
+            Sighted {
+                if_right: place(landmark, Columns::of(&sensor.camera, sighting)),
+                despite_wrong: despite_wrong.and_then(|columns| place(landmark, columns)),
+            }
         });
         let may_be_wrong = sensor.camera.q_items > 0;
         Sightings { sighted: sighted.collect(), sensor: sensor.clone(), codes, may_be_wrong }
     }
 
-    /// The sightings that certainly have the right code.
-    fn right(&self) -> impl Iterator<Item = &Sighted> {
-        self.sighted.iter().filter(|sighted| self.codes.is_right(sighted.number))
+    /// Where landmarks certainly are seen: by sightings that certainly have the right code, and despite those that may have a wrong one.
+    fn certain(&self) -> impl Iterator<Item = &Place> {
+        self.sighted.iter().enumerate().filter_map(|(number, sighted)| match self.codes.is_right(number) {
+            true => sighted.if_right.as_ref(),
+            false => sighted.despite_wrong.as_ref(),
+        })
     }
 }
 
 impl Relations for Sightings {
     fn quantities(&self, _frame: usize, pose: &PoseBox) -> Vec<(Variable, Interval)> {
         let tilted = Interval::centred(0.0, self.sensor.mount_displacement_m());
-        let of_landmark = |sighted: &Sighted| {
-            let (landmark, place) = (sighted.seen.landmark, sighted.seen.in_world(pose));
-            let at = |axis: usize| (Variable::Landmark(landmark, axis), place[axis]);
+        let of_landmark = |place: &Place| {
+            let (landmark, in_world) = (place.seen.landmark, place.seen.in_world(pose));
+            let at = |axis: usize| (Variable::Landmark(landmark, axis), in_world[axis]);
             let by_tilt = |axis: usize| (Variable::TiltedLandmark(landmark, axis), tilted);
             [at(0), at(1), by_tilt(0), by_tilt(1)]
         };
-        self.right().flat_map(of_landmark).collect()
+        self.certain().flat_map(of_landmark).collect()
     }
 
     fn discs(&self, _frame: usize) -> Vec<Disc> {
-        let pair = |sighted: &Sighted| [0, 1].map(|axis| Variable::TiltedLandmark(sighted.seen.landmark, axis));
-        self.right().map(|sighted| (pair(sighted), self.sensor.mount_displacement_m())).collect()
+        let pair = |place: &Place| [0, 1].map(|axis| Variable::TiltedLandmark(place.seen.landmark, axis));
+        self.certain().map(|place| (pair(place), self.sensor.mount_displacement_m())).collect()
     }
 
     fn is_worth_a_key_frame(&self) -> bool {
-        !self.may_be_wrong || self.right().count() >= FEWEST_RIGHT
+        !self.may_be_wrong || self.certain().count() >= FEWEST_CERTAIN
     }
 
     fn is_found_anew(&self) -> bool {
@@ -249,16 +289,18 @@ impl Relations for Sightings {
     fn rows(&self, frame: usize, domain: &Domain) -> Vec<Row> {
         let is_known =
             |seen: &Seen| (0..2).all(|axis| !domain.value(Variable::Landmark(seen.landmark, axis)).is_empty());
-        let rows = |sighted: &Sighted| {
-            let [by_height_m, foreshortened_m] = self.sensor.blur_m(sighted.in_view)?;
+        let rows = |place: &Place| {
+            let [by_height_m, foreshortened_m] = self.sensor.blur_m(place.in_view)?;
             let label = |row: Row| {
-                row.with_part(bounds::BODY_TILT, by_height_m).with_part(bounds::RANGE_CAMERA_TILT, foreshortened_m)
+                row.with_share_of(bounds::RANGE_CAMERA_COLUMNS, bounds::WHEELS_SLIP, place.by_motion)
+                    .with_part(bounds::BODY_TILT, by_height_m)
+                    .with_part(bounds::RANGE_CAMERA_TILT, foreshortened_m)
             };
             let blur_m = by_height_m + foreshortened_m;
-            let rows = sighting_rows(&self.sensor.camera, blur_m, &sighted.sighting, frame, domain);
+            let rows = sighting_rows(place.seen.landmark, place.columns, blur_m, frame, domain);
             Some(rows.into_iter().map(label).collect::<Vec<Row>>())
         };
-        self.right().filter(|sighted| is_known(&sighted.seen)).filter_map(rows).flatten().collect()
+        self.certain().filter(|place| is_known(&place.seen)).filter_map(rows).flatten().collect()
     }
 }
 
@@ -280,7 +322,7 @@ impl Seen {
 }
 
 /// Greatest length of a vector in a given box.
-fn length(vector: [Interval; 2]) -> f64 {
+pub(super) fn length(vector: [Interval; 2]) -> f64 {
     vector[0].hypot(vector[1]).hi()
 }
 

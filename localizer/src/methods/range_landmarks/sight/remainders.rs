@@ -27,7 +27,7 @@ fn assert_holds(sensor: &Sensor, [ahead_m, left_m]: [f64; 2], by_mount_m: [f64; 
     let landmark = LandmarkId(1);
     let left_px = sensor.camera.centre_px - 400.0 * left_m / ahead_m;
     let sighting = Sighting { landmark, left_px, right_px: left_px - 400.0 * 0.12 / ahead_m };
-    let sightings = Sightings::new(sensor, &[sighting], Arc::new(RightCodes::new(1, true)));
+    let sightings = Sightings::new(sensor, &[sighting], Arc::new(RightCodes::new(1, true)), &[]);
     let mut domain = Domain::default();
     let start = PoseBox::from([Interval::ZERO; 3]);
     sightings.quantities(0, &start).into_iter().for_each(|(variable, value)| domain.put(variable, value));
