@@ -61,8 +61,12 @@ impl Columns {
             }
             hull
         };
-        let by_columns = over(&|first_px| ends(self.second_px).map(|second_px| first_px - second_px));
         let by_disparity = over(&|_| ends(self.disparity_px));
+        if (self.first_px - self.second_px).lo() <= 0.0 {
+            // Between the corners of both columns the depth may be infinite.
+            return by_disparity;
+        }
+        let by_columns = over(&|first_px| ends(self.second_px).map(|second_px| first_px - second_px));
         std::array::from_fn(|side| by_columns[side].intersect(by_disparity[side]))
     }
 }
@@ -307,6 +311,15 @@ mod tests {
                 assert!(row.sides.inflate(1e-12).contains(value), "round {round}, row {idx}: {value}, {}", row.sides);
             }
         }
+    }
+
+    #[test]
+    fn columns_that_tell_no_disparity_leave_it_to_the_disparity() {
+        // The columns alone allow disparities from -1 to 3 px, of which 1 to 2 px are possible: 6 px by them is 2.5 to 6.
+        let side = |lo: f64, hi: f64| Interval::new(lo, hi);
+        let wide = Columns { first_px: side(5.0, 6.0), second_px: side(3.0, 6.0), disparity_px: side(1.0, 2.0) };
+        let [ratio] = wide.hull_over(|first_px, disparity_px| [first_px / disparity_px]);
+        assert!(side(2.5, 6.0).is_subset_of(ratio) && ratio.width() < 3.5 + 1e-9, "{ratio}");
     }
 
     #[test]
