@@ -47,8 +47,9 @@ impl Columns {
         Columns { first_px, second_px, disparity_px: first_px - second_px }
     }
 
-    /// Hull of a function of the column in the first view and of the disparity that for either of them alone is greatest and least at its ends, when the
-    /// other one, or the column in the second view, is known.
+    /// Hull of the values of a function of the column in the first view and of the disparity. The disparity has to be above 0, and the function monotonic
+    /// in either of the two while the other one stays, and in the column while that of the second view stays. Then its extremes are at corners, both of
+    /// column and disparity and, where they allow no disparity of 0, of the two columns. The hull is what both have in common.
     pub fn hull_over<const N: usize>(&self, value: impl Fn(Interval, Interval) -> [Interval; N]) -> [Interval; N] {
         let ends = |side: Interval| [side.lo(), side.hi()].map(Interval::point);
         let over = |disparities: &dyn Fn(Interval) -> [Interval; 2]| {
@@ -72,7 +73,8 @@ impl Columns {
 }
 
 /// The rows of a sighting of a landmark at key frame number `frame`: across the ray of the first view, across that of the second, and in depth. None
-/// where the disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame, beside what the domain has as a quantity of the landmark ([`Variable::TiltedLandmark`]).
+/// where the disparity may be 0. `blur_m` is the greatest distance by which tilts move the landmark in the robot frame, beside what the domain has as a
+/// quantity of the landmark ([`Variable::TiltedLandmark`]).
 pub fn sighting_rows(landmark: LandmarkId, columns: Columns, blur_m: f64, frame: usize, domain: &Domain) -> Vec<Row> {
     Sight::new(landmark, columns, blur_m, frame, domain).map_or_else(Vec::new, |sight| {
         vec![sight.across_ray(View::First), sight.across_ray(View::Second), sight.in_depth()]

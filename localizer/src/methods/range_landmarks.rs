@@ -107,7 +107,7 @@ struct Shows {
     arrived_s: f64,
     seen: Vec<Seen>,
     uses: Vec<Use>,
-    /// How far the robot can have gone within the error of the reading's stamp.
+    /// How far the robot can have gone within the error of the reading's stamp; nowhere where that is not asked for.
     stray: Stray,
     codes: Arc<RightCodes>,
 }
@@ -174,6 +174,11 @@ impl RangeLandmarks {
         self.freedom == Freedom::Full && self.solver == Solver::OneShot
     }
 
+    /// Whether landmarks are related although codes may be wrong.
+    fn relates_despite_wrong(&self) -> bool {
+        self.relates() && self.q_items > 0
+    }
+
     /// Pairs of a landmark's box in the world and its box in the robot frame, for each sighting of a landmark whose place is known.
     fn pairs(&self, seen: &[Seen]) -> Vec<([Interval; 2], [Interval; 2])> {
         let bounded = seen.iter().filter(|seen| seen.is_bounded());
@@ -191,12 +196,8 @@ impl Method for RangeLandmarks {
     }
 
     fn n_earlier(&self) -> usize {
-        let camera = &self.sensor.camera;
-        if self.relates() && self.q_items > 0 && self.in_order.is_by_arrival() {
-            camera.wrong_spacing.min(MOST_EARLIER)
-        } else {
-            0
-        }
+        let is_known = self.relates_despite_wrong() && self.in_order.is_by_arrival();
+        if is_known { self.sensor.camera.wrong_spacing.min(MOST_EARLIER) } else { 0 }
     }
 
     fn constrain(&mut self, reading: &Reading, context: &Context) -> Option<Constraint> {
@@ -216,9 +217,13 @@ impl Method for RangeLandmarks {
             self.in_order.push(*measured_s, None);
             return None;
         }
-        let stray = (context.stray)(*measured_s, self.sensor.camera.stamp_error_s);
-        let despite_wrong = agreed_columns(&self.sensor, (*measured_s, &stray), &uses, context.earlier);
-        let sightings = Sightings::new(&self.sensor, sightings, codes.clone(), &despite_wrong);
+        let (mut stray, mut despite_wrong) = (Stray::default(), Vec::new());
+        if self.relates_despite_wrong() {
+            stray = (context.stray)(*measured_s, self.sensor.camera.stamp_error_s);
+            despite_wrong = agreed_columns(&self.sensor, (*measured_s, &stray), &uses, context.earlier);
+        }
+        let relations = || Arc::new(Sightings::new(&self.sensor, sightings, codes.clone(), &despite_wrong)) as _;
+        let relations = self.relates().then(relations);
         let on_pose = PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver);
         let (stamp_s, arrived_s) = (*measured_s, *arrived_s);
         Some(Constraint {
@@ -226,7 +231,7 @@ impl Method for RangeLandmarks {
             claims,
             quota: Quota::of_each(self.q_items),
             decides,
-            relations: self.relates().then(|| Arc::new(sightings) as _),
+            relations,
             shown: Some(Arc::new(Shows { stamp_s, arrived_s, seen, uses, stray, codes })),
             is_held: self.n_earlier() > 0,
             ..Constraint::new(self.name(), *measured_s, on_pose)
@@ -316,4 +321,60 @@ fn in_world(poses: &PoseUnion, seen: &Seen) -> [Interval; 2] {
         let place = seen.in_world(pose);
         [hull[0].hull(place[0]), hull[1].hull(place[1])]
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::{
+        PoseBox,
+        graph::trial::{camera, robot},
+        robot::RangeCameraModel,
+    };
+
+    /// The method for a range camera of whose codes one in a reading and one of three in a row may be wrong.
+    fn method(camera: RangeCameraModel) -> RangeLandmarks {
+        let camera = RangeCameraModel { q_items: 1, wrong_spacing: 2, ..camera };
+        let robot = RobotModel { range_camera: Some(camera), ..robot() };
+        RangeLandmarks::new(&robot, Freedom::Full, Solver::OneShot).unwrap()
+    }
+
+    /// What a reading of landmark 1 shows, and the number of this use of its code.
+    fn read(method: &mut RangeLandmarks, stamp_s: f64) -> (Shown, usize) {
+        let sightings = vec![Sighting { landmark: LandmarkId(1), left_px: 329.5, right_px: 305.5 }];
+        let reading = Reading::Range { measured_s: stamp_s, arrived_s: stamp_s, sightings };
+        let here = PoseUnion::single(PoseBox::from([Interval::ZERO; 3]));
+        let shown = method.constrain(&reading, &Context::at_rest(&here)).unwrap().shown.unwrap();
+        let number = shown.downcast_ref::<Shows>().unwrap().uses[0].number;
+        (shown, number)
+    }
+
+    #[test]
+    fn no_use_counts_as_consecutive_to_one_across_a_doubt_or_a_reading_that_is_missing() {
+        let mut method = method(camera());
+        let here = PoseUnion::single(PoseBox::from([Interval::ZERO; 3]));
+        let (shown, first) = read(&mut method, 1.0);
+        method.learn(&shown, Some(&here));
+        let (shown, second) = read(&mut method, 1.1);
+        assert_eq!(second, first + 1);
+        method.learn(&shown, None);
+        let (shown, after_doubt) = read(&mut method, 1.2);
+        assert!(after_doubt - second > 2, "{second}, {after_doubt}");
+        method.learn(&shown, Some(&here));
+        let (_, next) = read(&mut method, 1.3);
+        method.interrupt();
+        let (_, after_gap) = read(&mut method, 1.4);
+        assert!(after_gap - next > 2, "{next}, {after_gap}");
+    }
+
+    #[test]
+    fn readings_that_may_overtake_each_other_are_not_counted_in_a_row() {
+        assert_eq!(method(camera()).n_earlier(), 2);
+        // Readings are measured every 0.1 s, and one may overtake another.
+        let late = RangeCameraModel { latency_s: Interval::new(0.0, 0.2), ..camera() };
+        assert_eq!(method(late).n_earlier(), 0);
+        let all_right = RobotModel { range_camera: Some(camera()), ..robot() };
+        assert_eq!(RangeLandmarks::new(&all_right, Freedom::Full, Solver::OneShot).unwrap().n_earlier(), 0);
+    }
 }

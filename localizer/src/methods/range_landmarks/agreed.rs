@@ -10,8 +10,9 @@
 //!
 //! Z′ = c·Z − s·X + t_ahead,   X′ = s·Z + c·X − t_left,   c = cos φ, s = sin φ,   t = R(−ψ)·((R(−φ) − 1)·a − R(−φ)·d) ± r,
 //!
-//! hence in columns u′ = (f·s + c·u − t_left·δ/b)/κ and w′ = (f·s + w + (c − 1)·u − t_left·δ/b)/κ, and δ′ = δ/κ, with κ = Z′/Z = c − s·u/f + t_ahead·δ/(f·b). The
-//! distance r is what the body's tilts and the stamps' errors make at both readings, and what the turn makes of the tilt of the mount.
+//! hence in columns u′ = (f·s + c·u − t_left·δ/b)/κ and w′ = (f·s + w + (c − 1)·u − t_left·δ/b)/κ, and with a disparity δ′ = δ/κ, where κ = Z′/Z =
+//! c − s·u/f + t_ahead·δ/(f·b). The distance r is what the body's tilts and the stamps' errors make at both readings, and what the turn makes of the
+//! tilt of the mount. The disparity is carried by itself: that of a landmark hardly depends on how the robot moved, while either column does.
 
 use interval::{Interval, IntervalBox};
 

@@ -193,16 +193,17 @@ struct Place {
     in_view: [Interval; 2],
     /// The landmark with its box in the robot frame.
     seen: Seen,
-    /// What share of the columns' widths comes from the robot's motion since an earlier reading.
-    by_motion: f64,
+    /// What share of the columns' widths comes from carrying earlier readings, by the robot's motion, tilts and stamps. The graph's rows put all of it
+    /// down to the slip of the wheels.
+    by_carrying: f64,
 }
 
 impl Place {
     fn new(sensor: &Sensor, landmark: LandmarkId, columns: Columns) -> Option<Place> {
         let in_view = sensor.in_view(&columns, sensor.camera.yaw_rad)?;
         let in_robot_m = sensor.in_robot_by(&columns)?;
-        let by_motion = (1.0 - sensor.camera.step_px[0] / columns.first_px.width()).max(0.0);
-        Some(Place { columns, in_view, seen: Seen { landmark, in_robot_m }, by_motion })
+        let by_carrying = (1.0 - sensor.camera.step_px[0] / columns.first_px.width()).max(0.0);
+        Some(Place { columns, in_view, seen: Seen { landmark, in_robot_m }, by_carrying })
             .filter(|place| place.seen.is_bounded())
     }
 }
@@ -273,9 +274,9 @@ impl Relations for Sightings {
     }
 
     fn shift_parts(&self, stray: &Stray) -> Vec<(Assumption, f64)> {
-        let by_motion = [bounds::RANGE_CAMERA_STAMP, bounds::REACH_SPEED].map(|bound| (bound, stray.metres));
+        let by_carrying = [bounds::RANGE_CAMERA_STAMP, bounds::REACH_SPEED].map(|bound| (bound, stray.metres));
         let by_tilt_m = self.sensor.shift_m(&Stray::default());
-        by_motion.into_iter().chain([(bounds::BODY_TILT, by_tilt_m)]).collect()
+        by_carrying.into_iter().chain([(bounds::BODY_TILT, by_tilt_m)]).collect()
     }
 
     fn stamp_bound(&self) -> Assumption {
@@ -292,7 +293,7 @@ impl Relations for Sightings {
         let rows = |place: &Place| {
             let [by_height_m, foreshortened_m] = self.sensor.blur_m(place.in_view)?;
             let label = |row: Row| {
-                row.with_share_of(bounds::RANGE_CAMERA_COLUMNS, bounds::WHEELS_SLIP, place.by_motion)
+                row.with_share_of(bounds::RANGE_CAMERA_COLUMNS, bounds::WHEELS_SLIP, place.by_carrying)
                     .with_part(bounds::BODY_TILT, by_height_m)
                     .with_part(bounds::RANGE_CAMERA_TILT, foreshortened_m)
             };
