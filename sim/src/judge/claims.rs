@@ -20,11 +20,11 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FalseClaims {
     /// False claims of upright edges.
-    pub(super) upright: usize,
+    pub(crate) upright: usize,
     /// False claims of all kinds but upright edges.
-    pub(super) others: usize,
+    pub(crate) others: usize,
     /// Those of them that are about landmarks on things of which the image's quota allows all claims to be false.
-    pub(super) of_things: usize,
+    pub(crate) of_things: usize,
 }
 
 impl FalseClaims {

@@ -54,11 +54,36 @@ pub(crate) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims
     record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect()
 }
 
-/// For each image, whether more claims are false than its quota allows. Depending on how the quota counts, these are too many false claims in the
-/// image itself, too many in the last images counted together, or too many of those images with false claims.
+/// What the rules by which false claims are counted need to know of an image.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quotable {
+    /// Name of the method that made the claims.
+    pub(crate) method: &'static str,
+    /// How many of the claims may be false.
+    pub(crate) quota: Quota,
+    /// Number of claims, those of upright edges left out.
+    pub(crate) n_claims: usize,
+    /// Whether the method makes later constraints of this image and of theirs together.
+    pub(crate) is_held: bool,
+}
+
+impl From<&ImageRecord> for Quotable {
+    fn from(image: &ImageRecord) -> Self {
+        let n_claims = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
+        Quotable { method: image.method, quota: image.quota, n_claims, is_held: image.is_held }
+    }
+}
+
+/// For each image, whether more claims are false than its quota allows.
 pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
-    let held = held_claims(record, judged);
-    let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| {
+    exceeding(&record.images.iter().map(Quotable::from).collect::<Vec<_>>(), judged)
+}
+
+/// For each image of a sequence, whether more claims are false than its quota allows. Depending on how the quota counts, these are too many false
+/// claims in the image itself, too many in the last images counted together, or too many of those images with false claims.
+pub(crate) fn exceeding(images: &[Quotable], judged: &[FalseClaims]) -> Vec<bool> {
+    let held = held_together(images, judged);
+    let is_misperceived = images.iter().zip(judged).zip(held).map(|((image, judged), held)| {
         let too_many = judged.others - judged.of_things > image.quota.items;
         match (image.quota.counting, held) {
             (Counting::Alone, _) => too_many,
@@ -97,13 +122,16 @@ impl HeldClaims {
 /// For each image, the counts over the last images up to it that the method holds, whose claims its quota counts together; `None` for an image whose claims are counted
 /// alone.
 pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
+    held_together(&record.images.iter().map(Quotable::from).collect::<Vec<_>>(), judged)
+}
+
+fn held_together(images: &[Quotable], judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
     let mut seen: BTreeMap<&str, Vec<HeldClaims>> = BTreeMap::new();
-    let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
+    let with_each = images.iter().zip(judged).map(|(image, judged)| {
         let (Counting::Readings { of, .. } | Counting::Together { of, .. }) = image.quota.counting else { return None };
         let seen = seen.entry(image.method).or_default();
         if image.is_held {
-            let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
-            seen.push(HeldClaims::of(all, &image.quota, *judged));
+            seen.push(HeldClaims::of(image.n_claims, &image.quota, *judged));
         }
         let held = seen.iter().rev().take(of);
         Some(held.fold(HeldClaims::default(), |sum, image| HeldClaims {

@@ -21,8 +21,7 @@ mod statistics;
 mod verdict;
 
 pub use bounds::{violations, watched};
-pub(crate) use claims::joint_claimed;
-pub(crate) use claims::of_most_things;
+pub(crate) use claims::{FalseClaims, joint_claimed, of_most_things};
 pub use claims::{is_true, wall_line_deg};
 pub use distribution::{corridor, of_steps as judge_distributions};
 pub use errands::{distance_to_way_m, true_distance_m};
@@ -30,7 +29,7 @@ pub use expectations::metric_names;
 pub use honesty::honesty;
 pub(crate) use markers::wholly_in_view;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
-pub(crate) use methods::{false_claims, misperceived};
+pub(crate) use methods::{Quotable, exceeding, false_claims, misperceived};
 pub use post::{PostStep, post_steps};
 pub(crate) use statistics::{SETTLED_S, errors, fix_width, midpoint};
 pub use verdict::{
@@ -51,7 +50,6 @@ use crate::{
     subject::half_turn,
     truth::Truth,
 };
-use claims::FalseClaims;
 
 /// A function that simulates the judged run again, with its recorded commands and with given changes: [`run_otherwise`](crate::run::run_otherwise).
 pub type Replay<'a> = dyn FnMut(&Counterfactual) -> Result<RunRecord, RenderError> + 'a;
