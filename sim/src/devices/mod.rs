@@ -122,12 +122,15 @@ pub struct Observation {
     pub codes: Vec<(LandmarkId, bool)>,
     /// True travel of the flow sensor along its own axes in the period that a reading of it ends, forward and left; 0 for readings of other sensors.
     pub travel_m: [f64; 2],
+    /// What the flow sensor has counted since the start, forward and left, together with where each axis stood within a count then: real numbers, of
+    /// which the reading has the whole parts. 0 for readings of other sensors.
+    pub counted: [f64; 2],
 }
 
 impl Observation {
     /// Makes an observation of a reading and the truth behind it, without checks of bounds and without landmark codes.
     pub fn new(reading: Reading, truth: Truth) -> Self {
-        Observation { reading, truth, checks: Vec::new(), codes: Vec::new(), travel_m: [0.0; 2] }
+        Observation { reading, truth, checks: Vec::new(), codes: Vec::new(), travel_m: [0.0; 2], counted: [0.0; 2] }
     }
 
     /// The true value of the quantity that the bound limits, if the errors of this reading are subject to the bound; `None` for any other bound.

@@ -5,8 +5,8 @@
 //! counts, where n is the nominal number, s₀ the scale of the whole run and δ another number at each instant, but one number for both axes. Within a
 //! period the sensor also goes forth and back, as far as declared; as δ may be greater forth than back, that adds to the counts. What is
 //! read is the whole part of what was counted since the start and of where each axis stood within a count then.
-
-mod course;
+//!
+//! A history says for each period what δ was in the mean, what ways forth and back added, and so what was counted.
 
 use interval::Interval;
 use localizer::{bounds, robot::FlowModel};
@@ -15,11 +15,10 @@ use crate::scene;
 
 use super::{
     gains::Gains,
-    history::{History, Quantity},
-    kind::{Broken, Declared, Kind, Linearised},
+    history::{Counted, History, Quantity, Step},
+    kind::{Broken, CountedTerms, Declared, Kind, Linearised, demand, within},
     outline::outline,
 };
-use course::{Course, Scale, Span};
 
 /// The counts read at a stamp.
 pub(super) struct Counts {
@@ -38,12 +37,18 @@ pub(super) struct Flow {
     pub(super) readings: Vec<Counts>,
     pub(super) keys: scene::Flow,
     pub(super) model: FlowModel,
+    /// What the sensor truly counted up to each reading.
+    pub(super) truly: Vec<Counted>,
 }
 
-/// Share of the scale's bound that the linear program uses. What is left makes a way forth and back add to the counts.
-const USED: f64 = 0.9;
+/// What is broken when what was counted is not what is read. It is no declared bound: the sensor reads what it has counted without error.
+pub(super) const COUNTS: &str = "counts of the flow sensor";
+
 /// Greatest deviation of what was counted that the linear program allows: what is read leaves less than one count.
 const MOST_COUNTS: f64 = 1.5;
+/// Counts by which the travel between two knots may differ in the linear program from what is counted between them: an equation would leave the solver
+/// no room.
+const HAIR_COUNTS: f64 = 1e-4;
 
 impl Flow {
     /// The sensor's travel along its own axes from each stamp to the next.
@@ -59,41 +64,47 @@ impl Flow {
         steps.collect()
     }
 
-    /// The periods between readings with the sensor's travel.
-    fn spans(&self, travel_m: &[[Interval; 2]]) -> Vec<Span> {
+    /// For each period between two readings the sensor's travel along its own axes.
+    fn periods_m(&self, travel_m: &[[Interval; 2]]) -> Vec<[Interval; 2]> {
         let of_pair = |pair: &[Counts]| {
             let steps = &travel_m[pair[0].stamp..pair[1].stamp];
-            let sum = |axis: usize| steps.iter().fold(Interval::ZERO, |sum, step| sum + step[axis]);
-            let travel_m = match pair[1].is_blind {
-                true => [Interval::ZERO; 2],
-                false => [0, 1].map(|axis| sum(axis) + pair[1].beyond_m[axis]),
-            };
-            Span { travel_m, counts: pair[1].counts, is_blind: pair[1].is_blind }
+            [0, 1].map(|axis| steps.iter().fold(Interval::point(pair[1].beyond_m[axis]), |sum, step| sum + step[axis]))
         };
         self.readings.windows(2).map(of_pair).collect()
     }
 
-    /// Learns how the sensor truly moved within its periods: from the true history, and from its true travel in the period before each reading.
-    pub(super) fn learn(&mut self, truth: &History, travelled_m: &[[f64; 2]]) {
-        let spans = self.spans(&self.travel_m(truth));
-        for ((reading, span), travelled_m) in self.readings[1..].iter_mut().zip(spans).zip(&travelled_m[1..]) {
-            if !reading.is_blind {
-                reading.beyond_m = [0, 1].map(|axis| travelled_m[axis] - span.travel_m[axis].mid());
-            }
-        }
+    /// Greatest number of counts that a way forth and back adds along an axis in a period in which the scale varies by `change` in the mean. Forth, the
+    /// scale is greater than that by what its bound leaves, and back it is less. Rounded down.
+    fn most_gained(&self, change: f64) -> f64 {
+        let left = Interval::point(self.keys.varying_share()) - change.abs();
+        (left * self.keys.counts_per_m * self.keys.back_and_forth_m).lo().max(0.0)
     }
 
-    /// What the sensor counts in the history, with scales that vary so that it agrees with all readings, if they can.
-    fn course(&self, history: &History, slack: f64) -> Course {
-        let spans = self.spans(&self.travel_m(history));
-        let first = self.readings.first().map_or([0; 2], |first| first.counts);
-        let scale = Scale {
-            counts_per_m: self.keys.counts_per_m,
-            constant: Interval::point(history.value(Quantity::FlowScale)),
-            most: self.keys.varying_share(),
-            forth_and_back_m: self.keys.back_and_forth_m,
-        };
-        Course::through(first, &spans, &scale, slack)
+    /// Learns how the sensor truly moved within its periods and what it counted: from the true history, and for each reading from the sensor's true
+    /// travel in the period before it and from what was truly counted since the start.
+    pub(super) fn learn(&mut self, truth: &History, travelled: &[([f64; 2], [f64; 2])]) {
+        let periods_m = self.periods_m(&self.travel_m(truth));
+        let scale = truth.value(Quantity::FlowScale);
+        let Some((_, first)) = travelled.first() else { return };
+        self.truly = vec![Counted { counts: *first, change: 0.0, gained: [0.0; 2] }];
+        for ((reading, period_m), pair) in self.readings[1..].iter_mut().zip(periods_m).zip(travelled.windows(2)) {
+            let [(_, before), (travelled_m, counts)] = [pair[0], pair[1]];
+            if reading.is_blind {
+                self.truly.push(Counted { counts, change: 0.0, gained: [0.0; 2] });
+                continue;
+            }
+            reading.beyond_m = [0, 1].map(|axis| travelled_m[axis] - period_m[axis].mid());
+            let more = [0, 1].map(|axis| counts[axis] - before[axis]);
+            let ahead = usize::from(travelled_m[1].abs() > travelled_m[0].abs());
+            // Where the sensor hardly moves, ways forth and back tell more than a change of the scale.
+            let most = self.keys.varying_share();
+            let change = match travelled_m[ahead].abs() > self.keys.back_and_forth_m {
+                true => (more[ahead] / self.keys.counts_per_m / travelled_m[ahead] - scale).clamp(-most, most),
+                false => 0.0,
+            };
+            let gained = [0, 1].map(|axis| more[axis] - self.keys.counts_per_m * (scale + change) * travelled_m[axis]);
+            self.truly.push(Counted { counts, change, gained });
+        }
     }
 }
 
@@ -111,13 +122,73 @@ impl Kind for Flow {
     }
 
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
-        match self.course(history, slack).stopped {
-            None => Ok(()),
-            Some((reading, [value, allowed])) => {
-                let time_s = history.stamps_s[self.readings[reading].stamp];
-                Err(Broken { bound: bounds::FLOW_SCALE, time_s, value, allowed })
+        let constant = Interval::point(history.value(Quantity::FlowScale));
+        let most = within(Interval::point(self.keys.varying_share()));
+        let periods_m = self.periods_m(&self.travel_m(history));
+        // A history that does not say what was counted counts nothing that could be computed.
+        let told = |at: usize| history.counted.get(at).copied();
+        let mut counted = told(0).map_or([Interval::EMPTY; 2], |first| first.counts.map(Interval::point));
+        for (at, reading) in self.readings.iter().enumerate() {
+            let time_s = history.stamps_s[reading.stamp];
+            if let Some(period) = at.checked_sub(1).filter(|_| !reading.is_blind) {
+                let Some(Counted { change, gained, .. }) = told(at) else {
+                    let (value, allowed) = (Interval::EMPTY, Interval::ENTIRE);
+                    return Err(Broken { bound: COUNTS, time_s, value, allowed });
+                };
+                demand(slack, bounds::FLOW_SCALE, time_s, Interval::point(change), most)?;
+                let per_m = (constant + change) * self.keys.counts_per_m;
+                let most_gained = within(Interval::point(self.most_gained(change)));
+                for axis in 0..2 {
+                    let allowed = most_gained.inflate(slack);
+                    demand(0.0, bounds::FLOW_BACK_AND_FORTH, time_s, Interval::point(gained[axis]), allowed)?;
+                    counted[axis] += per_m * periods_m[period][axis] + gained[axis];
+                }
+            }
+            for (value, counts) in counted.into_iter().zip(reading.counts) {
+                let cell = Interval::new(counts as f64 - slack, counts as f64 + 1.0 + slack);
+                demand(0.0, COUNTS, time_s, value, cell)?;
             }
         }
+        Ok(())
+    }
+
+    fn complete(&self, history: &mut History) {
+        history.counted.clone_from(&self.truly);
+    }
+
+    /// Moves the robot within each period by as much as it takes to count what the history says.
+    fn settle(&self, history: &mut History) {
+        if history.counted.len() != self.readings.len() {
+            return;
+        }
+        for counted in &mut history.counted {
+            let most = self.most_gained(counted.change);
+            counted.gained = counted.gained.map(|gained| gained.clamp(-most, most));
+        }
+        let value = |quantity: Quantity| history.value(quantity);
+        let (sin, cos) = value(Quantity::FlowYaw).sin_cos();
+        let periods_m = self.periods_m(&self.travel_m(history));
+        let mut steps: Vec<Step<f64>> = history.steps().collect();
+        for (period, pair) in self.readings.windows(2).enumerate() {
+            if pair[1].is_blind {
+                continue;
+            }
+            let [before, counted] = [period, period + 1].map(|at| history.counted[at]);
+            let per_m = self.keys.counts_per_m * (value(Quantity::FlowScale) + counted.change);
+            let short_m = [0, 1].map(|axis| {
+                let counts = counted.counts[axis] - before.counts[axis] - counted.gained[axis];
+                counts / per_m - periods_m[period][axis].mid()
+            });
+            let (from, to) = (pair[0].stamp, pair[1].stamp);
+            let span_s = history.stamps_s[to] - history.stamps_s[from];
+            let within_s = history.stamps_s[from..=to].windows(2).map(|pair| pair[1] - pair[0]);
+            for (step, step_s) in steps[from..to].iter_mut().zip(within_s) {
+                let share = step_s / span_s;
+                step.along_m += share * (cos * short_m[0] - sin * short_m[1]);
+                step.left_m += share * (sin * short_m[0] + cos * short_m[1]);
+            }
+        }
+        history.set_steps(&steps);
     }
 
     fn add_rows(&self, near: &mut Linearised<'_>) {
@@ -125,18 +196,19 @@ impl Kind for Flow {
         for knot in 0..near.knots.len() - 1 {
             rows.add_varying(near, knot);
             rows.add_link(near, knot);
+            rows.add_counts(near, knot);
         }
-        rows.add_counts(near);
+        near.counted = rows.counted_terms(near);
     }
 }
 
-/// What the rows of the flow sensor are made of.
+/// What the rows of the flow sensor are made of. What was counted deviates linearly in time from one knot to the next. The robot's travel does not
+/// quite do so where it turns or changes its speed, and is settled afterwards.
 struct Rows<'a> {
     flow: &'a Flow,
     gains: Gains,
     /// Sum, up to each stamp, of the sensor's travel along its own axes.
     until_m: Vec<[f64; 2]>,
-    course: Course,
     /// For each knot the first of the two unknowns by how many counts what was counted deviates, forward and left.
     counted: Vec<usize>,
     /// For each knot but the last the unknown by how much the varying part of the scale deviates up to the next knot.
@@ -154,7 +226,7 @@ impl<'a> Rows<'a> {
         let counted = (0..n_knots).map(|_| [near.helper(counts), near.helper(counts)][0]).collect();
         let most = 2.0 * flow.keys.varying_share();
         let varying = (1..n_knots).map(|_| near.helper(Interval::new(-most, most))).collect();
-        Rows { flow, gains: Gains::along(near), until_m, course: flow.course(near.history, 0.0), counted, varying }
+        Rows { flow, gains: Gains::along(near), until_m, counted, varying }
     }
 
     /// Readings in the span from one knot to the next, without the first one of all.
@@ -163,13 +235,38 @@ impl<'a> Rows<'a> {
         after(near.knots[knot]).max(1)..after(near.knots[knot + 1]).max(1)
     }
 
-    /// The row that the varying part of the scale, in the mean from one knot to the next, keeps its bound.
+    /// The rows that the varying part of the scale keeps its bound from one knot to the next, where it is least and where it is greatest.
     fn add_varying(&self, near: &mut Linearised<'_>, knot: usize) {
-        let changes = &self.course.changes[self.readings(near, knot).start - 1..];
-        let n_here = self.readings(near, knot).len();
-        let mean = changes.iter().take(n_here).sum::<f64>() / n_here.max(1) as f64;
         let most = self.flow.keys.varying_share();
-        near.add(vec![(self.varying[knot], 1.0)], mean, Interval::new(-most, most) * USED);
+        let changes = near.history.counted[self.readings(near, knot)].iter().map(|counted| counted.change);
+        let (least, greatest) = changes.fold((0.0f64, 0.0f64), |(least, most), at| (least.min(at), most.max(at)));
+        for change in [least, greatest] {
+            near.add(vec![(self.varying[knot], 1.0)], change, Interval::new(-most, most));
+        }
+    }
+
+    /// How what was counted at each reading, and the scale before it, deviate.
+    fn counted_terms(&self, near: &Linearised<'_>) -> Vec<CountedTerms> {
+        let of_reading = |reading: &Counts| {
+            let (knot, share) = near.place(reading.stamp);
+            CountedTerms {
+                counts: [0, 1].map(|axis| self.counted_at(knot, share, axis)),
+                change: (self.varying[knot], 1.0),
+            }
+        };
+        // A reading at a knot ends the span before it.
+        let mut all: Vec<CountedTerms> = self.flow.readings.iter().map(of_reading).collect();
+        for knot in 0..near.knots.len() - 1 {
+            for at in self.readings(near, knot) {
+                all[at].change = (self.varying[knot], 1.0);
+            }
+        }
+        all
+    }
+
+    /// Terms of what was counted at this share of the way from a knot to the next.
+    fn counted_at(&self, knot: usize, share: f64, axis: usize) -> Vec<(usize, f64)> {
+        vec![(self.counted[knot] + axis, 1.0 - share), (self.counted[knot + 1] + axis, share)]
     }
 
     /// Terms of how many counts the sensor counts more along an axis between a knot and a stamp up to the next knot.
@@ -200,46 +297,36 @@ impl<'a> Rows<'a> {
         terms
     }
 
-    /// Counts by which a way forth and back in each period helps: half of what it adds where the scale's bound is used as far as the program does.
-    fn rectified(&self) -> f64 {
-        let keys = &self.flow.keys;
-        0.5 * (1.0 - USED) * keys.varying_share() * keys.counts_per_m * keys.back_and_forth_m
-    }
-
-    /// The rows that counts at a knot and at the next agree with the travel between them, unless the sensor was blind meanwhile.
+    /// The rows that counts at a knot and at the next agree with the travel between them. Where the sensor was blind meanwhile, nothing more is counted
+    /// than before.
     fn add_link(&self, near: &mut Linearised<'_>, knot: usize) {
-        if self.flow.readings[self.readings(near, knot)].iter().any(|reading| reading.is_blind) {
-            return;
-        }
+        let is_blind = self.flow.readings[self.readings(near, knot)].iter().any(|reading| reading.is_blind);
         for axis in 0..2 {
-            let mut terms = self.terms(near, knot, near.knots[knot + 1], axis);
+            let mut terms = Vec::new();
+            if !is_blind {
+                terms = self.terms(near, knot, near.knots[knot + 1], axis);
+            }
             terms.extend([(self.counted[knot] + axis, 1.0), (self.counted[knot + 1] + axis, -1.0)]);
-            let agree = self.rectified() * self.readings(near, knot).len().max(1) as f64;
-            near.add(terms, 0.0, Interval::new(-agree, agree));
+            near.add(terms, 0.0, Interval::new(-HAIR_COUNTS, HAIR_COUNTS));
         }
     }
 
-    /// The rows that what was counted agrees with the readings.
-    fn add_counts(&self, near: &mut Linearised<'_>) {
-        for knot in 0..near.knots.len() - 1 {
-            let readings = self.readings(near, knot);
-            for axis in 0..2 {
-                // What was counted beyond the middle of what each reading leaves, by its place in time between the knots.
-                let beyond =
-                    |at: usize| self.course.counted[at][axis] - self.flow.readings[at].counts[axis] as f64 - 0.5;
-                let share = |at: usize| {
-                    let (of_knot, share) = near.place(self.flow.readings[at].stamp);
-                    if of_knot > knot { 1.0 } else { share }
-                };
-                let points: Vec<[f64; 3]> = readings.clone().map(|at| [share(at), beyond(at), 0.5]).collect();
-                for at in outline(&points, points.len()) {
-                    let stamp = self.flow.readings[readings.start + at].stamp;
-                    let mut terms = self.terms(near, knot, stamp, axis);
-                    terms.push((self.counted[knot] + axis, 1.0));
-                    // Ways forth and back since the knot, or until the next one.
-                    let helped = self.rectified() * (at + 1).min(points.len() - at) as f64;
-                    near.add(terms, points[at][1], Interval::new(-0.5, 0.5).inflate(helped));
-                }
+    /// The rows that what was counted agrees with the readings from a knot to the next, and with the very first one.
+    fn add_counts(&self, near: &mut Linearised<'_>, knot: usize) {
+        let from = if knot == 0 { 0 } else { self.readings(near, knot).start };
+        let readings = from..self.readings(near, knot).end;
+        for axis in 0..2 {
+            // What was counted beyond the middle of what each reading leaves, by its place in time between the knots.
+            let point = |at: usize| {
+                let reading = &self.flow.readings[at];
+                let (of_knot, share) = near.place(reading.stamp);
+                let share = if of_knot > knot { 1.0 } else { share };
+                [share, near.history.counted[at].counts[axis] - reading.counts[axis] as f64 - 0.5, 0.5]
+            };
+            let points: Vec<[f64; 3]> = readings.clone().map(point).collect();
+            for at in outline(&points, points.len()) {
+                let [share, beyond, _] = points[at];
+                near.add(self.counted_at(knot, share, axis), beyond, Interval::new(-0.5, 0.5));
             }
         }
     }

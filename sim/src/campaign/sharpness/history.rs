@@ -95,6 +95,17 @@ impl Quantity {
     }
 }
 
+/// What the flow sensor has counted up to one of its readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Counted {
+    /// Counts since the start, forward and left, together with where each axis stood within a count then.
+    pub(super) counts: [f64; 2],
+    /// The varying part of the scale in the period that the reading ends.
+    pub(super) change: f64,
+    /// How much of the period's counts came of ways forth and back, forward and left.
+    pub(super) gained: [f64; 2],
+}
+
 /// Motion of the robot and all other quantities that the readings depend on.
 #[derive(Clone, Debug)]
 pub(super) struct History {
@@ -104,6 +115,8 @@ pub(super) struct History {
     pub(super) poses: Vec<Pose>,
     /// Spin angle of the left and of the right wheel since the start, at each stamp.
     pub(super) wheel_angle_rad: Vec<[f64; 2]>,
+    /// What the flow sensor had counted at each of its readings, in their order.
+    pub(super) counted: Vec<Counted>,
     /// All other quantities.
     pub(super) quantities: BTreeMap<Quantity, f64>,
 }
@@ -134,6 +147,7 @@ impl History {
             stamps_s: self.stamps_s[..=stamp].to_vec(),
             poses: self.poses[..=stamp].to_vec(),
             wheel_angle_rad: self.wheel_angle_rad[..=stamp].to_vec(),
+            counted: Vec::new(),
             quantities: BTreeMap::new(),
         }
     }
@@ -151,6 +165,11 @@ impl History {
         }
         for (angles_rad, to_rad) in mixed.wheel_angle_rad.iter_mut().zip(&other.wheel_angle_rad) {
             *angles_rad = [0, 1].map(|wheel| mix(angles_rad[wheel], to_rad[wheel]));
+        }
+        for (counted, to) in mixed.counted.iter_mut().zip(&other.counted) {
+            counted.counts = [0, 1].map(|axis| mix(counted.counts[axis], to.counts[axis]));
+            counted.change = mix(counted.change, to.change);
+            counted.gained = [0, 1].map(|axis| mix(counted.gained[axis], to.gained[axis]));
         }
         for (quantity, value) in &mut mixed.quantities {
             *value = mix(*value, other.value(*quantity));
@@ -192,6 +211,20 @@ impl History {
         let span_s = self.stamps_s[to] - self.stamps_s[from];
         let [from, to] = [from, to].map(|stamp| self.poses[stamp].to_array());
         [0, 1, 2].map(|axis| (to[axis] - from[axis]) / span_s)
+    }
+
+    /// Moves the poses after the first one, so that the robot makes these steps from each stamp to the next.
+    pub(super) fn set_steps(&mut self, steps: &[Step<f64>]) {
+        for (at, step) in steps.iter().enumerate() {
+            let from = self.poses[at];
+            let (sin, cos) = (from.heading_rad + 0.5 * step.turn_rad).sin_cos();
+            let chord = (0.5 * step.turn_rad).sinc();
+            self.poses[at + 1] = Pose {
+                x_m: from.x_m + chord * (cos * step.along_m - sin * step.left_m),
+                y_m: from.y_m + chord * (sin * step.along_m + cos * step.left_m),
+                heading_rad: self.poses[at + 1].heading_rad,
+            };
+        }
     }
 
     /// The robot's travel from each stamp to the next.
@@ -269,6 +302,7 @@ mod tests {
                 Pose { x_m: 3.0, y_m: -1.0, heading_rad: quarter_rad },
             ],
             wheel_angle_rad: vec![[0.0; 2]; 2],
+            counted: Vec::new(),
             quantities: BTreeMap::new(),
         };
         let expected = [1.0 + 3.0_f64.sqrt(), -2.0, std::f64::consts::PI / 3.0];

@@ -18,6 +18,12 @@ pub(super) trait Kind {
     /// the share `slack` of it.
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken>;
 
+    /// Adds to the true history what it keeps of this kind besides its quantities.
+    fn complete(&self, _history: &mut History) {}
+
+    /// Moves a history by as little as it takes to where it keeps equations that linear rows keep to first order only.
+    fn settle(&self, _history: &mut History) {}
+
     /// Moves a history a little to where the bounds of this kind leave more room, without moving its knots.
     fn ease(&self, _history: &mut History, _knots: &[usize]) {}
 
@@ -101,6 +107,8 @@ pub(super) const WHEEL: usize = 3;
 pub(super) struct Linearised<'a> {
     /// The history from which deviations count.
     pub(super) history: &'a History,
+    /// The history from which the search started.
+    pub(super) start: &'a History,
     /// Stamps of the knots in ascending order; the first and the last stamp are knots.
     pub(super) knots: &'a [usize],
     /// For each stamp the knot at or before it, and the share of the way from that knot to the next.
@@ -109,16 +117,26 @@ pub(super) struct Linearised<'a> {
     stretches_rad: Vec<f64>,
     quantities: BTreeMap<Quantity, usize>,
     margin: f64,
+    /// For each reading of the flow sensor how what it has counted changes; empty where the history does not tell that.
+    pub(super) counted: Vec<CountedTerms>,
     /// Interval of each unknown.
     pub(super) ranges: Vec<Interval>,
     /// Terms and interval of each row.
     pub(super) rows: Vec<(Vec<(usize, f64)>, Interval)>,
 }
 
+/// Terms of how what the flow sensor has counted at one of its readings changes with the deviations.
+pub(super) struct CountedTerms {
+    /// Terms of the counts, forward and left.
+    pub(super) counts: [Vec<(usize, f64)>; 2],
+    /// Term of the varying part of the scale in the period before.
+    pub(super) change: (usize, f64),
+}
+
 impl<'a> Linearised<'a> {
     /// The program without rows: the unknowns of each knot, within `knot_ranges`, then one for each quantity that is declared.
     pub(super) fn new(
-        history: &'a History,
+        [history, start]: [&'a History; 2],
         knots: &'a [usize],
         knot_ranges: Vec<Interval>,
         declared: &[Declared],
@@ -147,11 +165,13 @@ impl<'a> Linearised<'a> {
         let indices = declared.iter().enumerate().map(|(at, declared)| (declared.quantity, n_at_knots + at)).collect();
         let mut near = Linearised {
             history,
+            start,
             knots,
             places,
             stretches_rad,
             quantities: indices,
             margin: trust.margin,
+            counted: Vec::new(),
             ranges: knot_ranges,
             rows: Vec::new(),
         };
@@ -206,6 +226,12 @@ impl<'a> Linearised<'a> {
             (0..2).for_each(|wheel| angles_rad[wheel] += by[WHEEL + wheel]);
             let [x_m, y_m, heading_rad] = [pose.x_m + by[0], pose.y_m + by[1], pose.heading_rad + by[2]];
             *pose = Pose { x_m, y_m, heading_rad };
+        }
+        for (counted, terms) in moved.counted.iter_mut().zip(&self.counted) {
+            let deviation =
+                |terms: &[(usize, f64)]| terms.iter().map(|&(at, coefficient)| coefficient * point[at]).sum::<f64>();
+            (0..2).for_each(|axis| counted.counts[axis] += deviation(&terms.counts[axis]));
+            counted.change += deviation(&[terms.change]);
         }
         for (quantity, at) in &self.quantities {
             if let Some(value) = moved.quantities.get_mut(quantity) {

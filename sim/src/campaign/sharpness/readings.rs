@@ -107,6 +107,7 @@ impl<'a> Readings<'a> {
             stamps_s: self.truths.iter().map(|truth| truth.time_s).collect(),
             poses: self.truths.iter().map(|truth| truth.pose).collect::<Vec<Pose>>(),
             wheel_angle_rad: self.truths.iter().map(|truth| truth.wheel_angle_rad).collect(),
+            counted: Vec::new(),
             quantities: BTreeMap::new(),
         }
     }
@@ -176,7 +177,7 @@ impl<'a> Readings<'a> {
         let (keys, model) = (self.scene.robot.flow.clone()?, self.robot.flow?);
         self.robot.gyro?;
         let mut n_blind = 0;
-        let (mut readings, mut travelled_m) = (Vec::new(), Vec::new());
+        let (mut readings, mut travelled) = (Vec::new(), Vec::new());
         for observation in self.observations {
             let Reading::Flow { arrived_s, counts, blind_periods, .. } = observation.reading else { continue };
             let Some(stamp) = history.stamp_at(observation.truth.time_s).filter(|_| arrived_s <= time_s) else {
@@ -184,17 +185,17 @@ impl<'a> Readings<'a> {
             };
             let is_blind = std::mem::replace(&mut n_blind, blind_periods) != blind_periods;
             readings.push(Counts { stamp, counts, is_blind, beyond_m: [0.0; 2] });
-            travelled_m.push(observation.travel_m);
+            travelled.push((observation.travel_m, observation.counted));
         }
         if readings.len() < 2 {
             return None;
         }
-        let mut flow = Flow { readings, keys, model };
+        let mut flow = Flow { readings, keys, model, truly: Vec::new() };
         let mut truth = history.clone();
         for Declared { quantity, .. } in flow.declared(history) {
             truth.quantities.insert(quantity, self.true_value(quantity).unwrap_or(f64::NAN));
         }
-        flow.learn(&truth, &travelled_m);
+        flow.learn(&truth, &travelled);
         Some(flow)
     }
 
@@ -227,6 +228,7 @@ impl<'a> Readings<'a> {
                 let value = self.true_value(quantity);
                 history.quantities.insert(quantity, value.unwrap_or(f64::NAN));
             }
+            kind.complete(&mut history);
         }
         history
     }

@@ -61,6 +61,11 @@ pub(super) fn check(history: &History, kinds: &[Box<dyn Kind>], slack: f64) -> R
     Ok(())
 }
 
+/// Moves a history to where it keeps the equations of all kinds that linear rows keep to first order only.
+fn settle(history: &mut History, kinds: &[Box<dyn Kind>]) {
+    kinds.iter().for_each(|kind| kind.settle(history));
+}
+
 /// What the search at one instant found.
 pub(super) struct Found {
     /// For each axis of the pose the interval from the least to the greatest value of a witness at the instant.
@@ -80,8 +85,9 @@ pub(super) fn search(truth: &History, kinds: &[Box<dyn Kind>], reach: [f64; 3]) 
     let mut broken = Vec::new();
     let mut eased = truth.clone();
     kinds.iter().for_each(|kind| kind.ease(&mut eased, &knots));
+    settle(&mut eased, kinds);
     let truth = if check(&eased, kinds, TRUTH_SLACK).is_ok() { &eased } else { truth };
-    let first = Program::about(truth, kinds, &knots, reach, Stage::of(1, 0.0));
+    let first = Program::about([truth, truth], kinds, &knots, reach, Stage::of(1, 0.0));
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             let mut climb = Climb { kinds, knots: &knots, reach, axis, side, witness: truth.clone(), broken: None };
@@ -137,6 +143,7 @@ impl Climb<'_> {
     fn go(&mut self, first: Option<&Program<'_>>) {
         let truth = self.witness.clone();
         let Some(mut candidate) = first.and_then(|first| first.farthest(self.axis, self.side)) else { return };
+        settle(&mut candidate, self.kinds);
         let mut far_before = 0.0;
         for program in 1.. {
             self.broken = check(&candidate, self.kinds, 0.0).err();
@@ -152,11 +159,12 @@ impl Climb<'_> {
                 break;
             }
             let stage = Stage::of(program + 1, far.abs());
-            let again = Program::about(&candidate, self.kinds, self.knots, self.reach, stage);
+            let again = Program::about([&candidate, &truth], self.kinds, self.knots, self.reach, stage);
             match again.and_then(|program| program.farthest(self.axis, self.side)) {
                 Some(next) => candidate = next,
                 None => break,
             }
+            settle(&mut candidate, self.kinds);
         }
         if self.broken.is_some() {
             self.draw_back(&candidate);
@@ -169,7 +177,8 @@ impl Climb<'_> {
         let from = self.witness.clone();
         for _ in 0..N_HALVINGS {
             let share = 0.5 * (reached + too_far);
-            let between = from.towards(candidate, share);
+            let mut between = from.towards(candidate, share);
+            settle(&mut between, self.kinds);
             if check(&between, self.kinds, 0.0).is_ok() {
                 reached = share;
                 if self.height(&between) > self.height(&self.witness) {
@@ -212,9 +221,9 @@ struct Program<'a> {
 }
 
 impl<'a> Program<'a> {
-    /// The program about a history; `None` where a row is none, which a history that can be computed never causes.
+    /// The program about a history of a search that began at `start`; `None` where a row is none, which a history that can be computed never causes.
     fn about(
-        history: &'a History,
+        [history, start]: [&'a History; 2],
         kinds: &[Box<dyn Kind>],
         knots: &'a [usize],
         reach: [f64; 3],
@@ -229,7 +238,7 @@ impl<'a> Program<'a> {
         let declared: Vec<Declared> = kinds.iter().flat_map(|kind| kind.declared(history)).collect();
         let most = reach[0].max(reach[1]);
         let trust = Trust { most, share, moves_products: stage.moves_products, margin: MARGIN };
-        let mut near = Linearised::new(history, knots, knot_ranges, &declared, trust);
+        let mut near = Linearised::new([history, start], knots, knot_ranges, &declared, trust);
         kinds.iter().for_each(|kind| kind.add_rows(&mut near));
         let mut program = LinearProgram::new(near.ranges.clone()).ok()?;
         for (terms, interval) in &near.rows {
@@ -248,15 +257,16 @@ impl<'a> Program<'a> {
         let mut farthest: Option<Vec<f64>> = None;
         let mut n_settled = 0;
         // The last steps may be lost in rounding, so that the last point of finite numbers counts.
-        while n_settled < N_SETTLED && !solver.advance(&mut search, 1) {
+        // A correction goes on until its rows hold.
+        let is_correction = self.stage.correction.is_some();
+        while (is_correction || n_settled < N_SETTLED) && !solver.advance(&mut search, 1) {
             let point = solver.point(&search);
             if !point.iter().all(|value| value.is_finite()) {
                 break;
             }
             let gained = farthest.as_ref().map_or(f64::INFINITY, |before| (point[last] - before[last]).abs());
             n_settled = if gained < SETTLED * point[last].abs().max(far) { n_settled + 1 } else { 0 };
-            let is_corrected =
-                self.stage.correction.is_some() && side * point[last] > -GIVEN_UP * far && self.near.keeps_rows(&point);
+            let is_corrected = is_correction && side * point[last] > -GIVEN_UP * far && self.near.keeps_rows(&point);
             farthest = Some(point);
             if is_corrected {
                 break;

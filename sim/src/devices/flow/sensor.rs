@@ -105,7 +105,8 @@ impl Sensor for FlowSensor {
         self.n_readings += 1;
         let travel_m = self.period.travel_m;
         self.close_period(truth);
-        let counts = [0, 1].map(|axis| (self.followed_counts[axis] + self.phase[axis]).floor() as i64);
+        let counted = [0, 1].map(|axis| self.followed_counts[axis] + self.phase[axis]);
+        let counts = counted.map(|counted| counted.floor() as i64);
         let reading = Reading::Flow {
             measured_s: truth.time_s,
             arrived_s: truth.time_s,
@@ -118,7 +119,7 @@ impl Sensor for FlowSensor {
             check(bounds::FLOW_SCALE, self.flow.varying_share(), self.scale_change),
             check(bounds::FLOW_BACK_AND_FORTH, self.flow.back_and_forth_m, self.back_and_forth_m),
         ];
-        Some(Observation { checks, travel_m, ..Observation::new(reading, *truth) })
+        Some(Observation { checks, travel_m, counted, ..Observation::new(reading, *truth) })
     }
 }
 

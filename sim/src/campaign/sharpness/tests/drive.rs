@@ -81,8 +81,13 @@ impl Drive {
             quantities.insert(Quantity::Heave(stamp), 0.0);
             quantities.insert(Quantity::Instant(Looker::Range, stamp), times_s[stamp]);
         }
-        let history =
-            History { poses: poses.collect(), wheel_angle_rad: angles.collect(), stamps_s: times_s, quantities };
+        let history = History {
+            poses: poses.collect(),
+            wheel_angle_rad: angles.collect(),
+            counted: Vec::new(),
+            stamps_s: times_s,
+            quantities,
+        };
         Drive { robot, history, looks: looks.to_vec() }
     }
 

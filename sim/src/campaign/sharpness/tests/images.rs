@@ -67,6 +67,7 @@ impl Bench {
         let mut history = History {
             poses: poses.collect(),
             wheel_angle_rad: vec![[0.0; 2]; stamps_s.len()],
+            counted: Vec::new(),
             quantities: BTreeMap::from(quantities.map(|quantity| (quantity, 0.0))),
             stamps_s,
         };
@@ -351,6 +352,7 @@ fn cameras_with_errors_show_points_where_the_simulator_has_them() {
             stamps_s: vec![0.0, 1.0],
             poses: vec![truth.pose; 2],
             wheel_angle_rad: vec![[0.0; 2]; 2],
+            counted: Vec::new(),
             quantities: constants.chain(posture).collect(),
         };
         let (number, depth_m) = eye.sight::<f64>(&history, 0).pixel(point_m);
