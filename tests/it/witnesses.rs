@@ -1,5 +1,5 @@
-//! Witnesses of runs whose images claim joints: the truth with every error at a corner of its tolerance is accepted, and what is found lies in the
-//! localizer's boxes.
+//! Witnesses of runs whose images claim joints or edges: the truth with every error at a corner of its tolerance is accepted, and what is found lies in
+//! the localizer's boxes.
 
 use std::path::Path;
 
@@ -46,6 +46,15 @@ pub(crate) fn demand_witnesses(found: &Sharpness, most: f64) {
 #[test]
 fn witnesses_on_tiles_keep_the_bounds_of_a_careful_user() {
     demand_witnesses(&sharpness(&over_tiles(&["duration_s=2", "bounds_from=careful_user_throughout"]), 2), 3.0);
+}
+
+/// In the dark the flow sensor's one scale for both axes, and edges of walls of which some may be false, leave nearly as much open as the boxes say.
+#[test]
+fn witnesses_in_the_dark_use_most_of_what_flow_sensor_and_walls_leave_open() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/papers/dark_carpet.toml");
+    let keys = ["duration_s=5", "robot.errors=corner"].map(|key| key.parse().unwrap());
+    let scene = SceneTemplate::load(&path).unwrap().with(&keys).unwrap().scene;
+    demand_witnesses(&sharpness(&scene, 2), 1.3);
 }
 
 #[test]

@@ -3,12 +3,18 @@
 use std::f64::consts::FRAC_PI_2;
 
 use interval::Interval;
-use localizer::{bounds, reading::Camera};
+use localizer::{
+    bounds,
+    quota::{Counting, Quota},
+    reading::Camera,
+};
 
 use super::super::{
     history::{CameraPart, History, Looker, Quantity},
-    walls::{Edge, FALSE_EDGES, Look, Walls, Way},
+    walls::{Edge, FALSE_EDGES, Images, Look, QUOTAS, Walls, Way},
 };
+use crate::judge::{FalseClaims, Quotable};
+
 use super::images::{BOUND_PX, Bench, LOOK, STEP_S, broken_by, demand_all_bounds, moved, put};
 
 /// Half of the length of each edge in the image.
@@ -34,9 +40,21 @@ fn walls(bench: &Bench) -> Walls {
     let away = [[cu + 40.0, cv - 30.0], [cu + 200.0, cv - 150.0]];
     let upright = [[cu, cv - HALF_PX], [cu, cv + HALF_PX]];
     let edges = vec![edge(across, level(FRAC_PI_2)), edge(away, level(0.0)), edge(upright, Way::Upright)];
-    let look = Look { stamp: LOOK, measured_s: LOOK as f64 * STEP_S, edges };
+    let look = Look { stamp: LOOK, measured_s: LOOK as f64 * STEP_S, image: 0, edges };
     let turn_rad = Interval::centred(0.0, 0.01);
-    Walls { eye: bench.eye(Camera::Forward), looks: vec![look], turn_rad, askew_rad: 0.0, misperceived_s: None }
+    let images = images(NONE, FalseClaims::default());
+    Walls { eye: bench.eye(Camera::Forward), looks: vec![look], turn_rad, askew_rad: 0.0, images }
+}
+
+/// The quota of an image of which no claim may be false, nor one of an upright edge.
+const NONE: Quota =
+    Quota { items: 0, things: 0, upright: 0, counting: Counting::Together { of: 1, share: 0.0, more: 0, readings: 0 } };
+
+/// A single image with a quota, of whose claims so many are truly false.
+fn images(quota: Quota, judged: FalseClaims) -> Images {
+    let mut images = Images::default();
+    images.push(0.5, Quotable { method: "wall_directions", quota, n_claims: 2, is_held: true }, judged);
+    images
 }
 
 fn history(bench: &Bench, walls: &Walls) -> History {
@@ -103,7 +121,26 @@ fn edges_are_refused_a_hair_beyond_their_bounds() {
         let at = |share: f64| broken_by(&walls, &history, put(Quantity::BodyTilt(LOOK, 0), sign * share * most_rad));
         assert_eq!((at(1.0 + 1e-4), at(1.0 - 1e-4)), (Some(FALSE_EDGES), None));
     }
-    // More false edges than declared in the truth leave no witness.
-    walls.misperceived_s = Some(0.5);
-    assert!(broken_by(&walls, &history, |_| {}).is_some());
+}
+
+/// A turn of half a degree takes the edge across the view and the one along it out of their bounds, and a roll the upright one.
+#[test]
+fn as_many_edges_are_false_as_the_quota_of_the_image_says() {
+    let bench = bench();
+    let mut walls = walls(&bench);
+    let history = history(&bench, &walls);
+    let mut with = |items: usize, upright: usize, truly: FalseClaims, change: &dyn Fn(&mut History)| {
+        walls.images = images(Quota { upright, ..Quota::of_each(items) }, truly);
+        broken_by(&walls, &history, change)
+    };
+    let none = FalseClaims::default();
+    let turned = |by_rad: f64| moved(0.0, 0.0, by_rad);
+    assert_eq!(
+        [0, 1, 2].map(|items| with(items, 0, none, &turned(0.02))),
+        [Some(FALSE_EDGES), Some(FALSE_EDGES), None]
+    );
+    // What is false in truth counts, too, and leaves no witness where it is more than declared.
+    let truly = FalseClaims { others: 1, ..none };
+    assert_eq!([2, 3].map(|items| with(items, 0, truly, &turned(0.02))), [Some(FALSE_EDGES), None]);
+    assert_eq!([0, 1].map(|items| with(items, 0, truly, &|_| {})), [Some(QUOTAS), None]);
 }
