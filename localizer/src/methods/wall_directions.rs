@@ -25,7 +25,7 @@ pub use super::sight::ray;
 pub use quotas::Quotas;
 
 use agreement::WallHeadings;
-use held::{Certificates, headings_now};
+use held::{Certificates, EdgeCounts, headings_now};
 use posture::{Agreement, Told, View};
 
 use std::sync::Arc;
@@ -151,6 +151,7 @@ pub struct WallDirections {
     directions_rad: Vec<Interval>,
     learns: bool,
     certificates: Certificates,
+    n_edges: EdgeCounts,
 }
 
 impl WallDirections {
@@ -177,6 +178,7 @@ impl WallDirections {
             directions_rad: directions_rad.to_vec(),
             learns,
             certificates: Certificates::default(),
+            n_edges: EdgeCounts::default(),
         }
     }
 
@@ -221,6 +223,9 @@ impl WallDirections {
         let upright =
             edges.upright.iter().map(|line| Claim::UprightLine { ends_px: line.ends_px, bound_px: line.bound_px });
         let is_held = !alone.is_empty();
+        if is_held {
+            self.n_edges.note(stamp_s, n_level);
+        }
         let shown = Arc::new(Image { agreement, strange_rad: edges.strange_rad });
         let latest = is_held.then(|| Earlier::latest(stamp_s, Arc::clone(&shown) as _));
         let images: Vec<&Earlier> = earlier.iter().chain(&latest).collect();
@@ -261,7 +266,7 @@ impl WallDirections {
     fn headings_together(&self, images: &[&Earlier]) -> WallHeadings {
         let by_count = images.iter().map(|image| headings_now(image));
         if self.solves_lean {
-            return WallHeadings::of_edges(by_count.collect(), &self.quotas);
+            return WallHeadings::of_edges(by_count.collect(), self.n_edges.sum(), &self.quotas);
         }
         let of_image = |by_count: Vec<Vec<Interval>>| {
             let n_level = by_count.len();

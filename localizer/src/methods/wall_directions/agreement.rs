@@ -40,14 +40,15 @@ pub(super) struct WallHeadings {
 
 impl WallHeadings {
     /// Makes a contractor by two rules: all but a declared number of the edges of several images agree, and all but a declared number of
-    /// the images have no wrong edge.
-    pub(super) fn of_edges(images: Vec<Vec<Vec<Interval>>>, quotas: &Quotas) -> Self {
+    /// the images have no wrong edge. The declared number is a share of `n_edges`, the edges of all images that are counted together. Some of these
+    /// images may no longer be held, and all wrong edges may be in those that are.
+    pub(super) fn of_edges(images: Vec<Vec<Vec<Interval>>>, n_edges: usize, quotas: &Quotas) -> Self {
         let whole: Vec<Vec<Interval>> =
             images.iter().map(|by_count| by_count.last().cloned().unwrap_or_default()).collect();
         let sets: Vec<Vec<Interval>> = images.into_iter().flatten().collect();
         let mut rules = Vec::new();
         if sets.len() >= FEWEST_HELD {
-            rules.push(Rule { needed: sets.len().saturating_sub(quotas.wrong_of_held(sets.len())), sets });
+            rules.push(Rule { needed: sets.len().saturating_sub(quotas.wrong_of_held(n_edges.max(sets.len()))), sets });
         }
         if whole.len() > quotas.spoilt_images {
             rules.push(Rule { needed: whole.len() - quotas.spoilt_images, sets: whole });
@@ -100,5 +101,27 @@ impl Contractor<3> for WallHeadings {
     fn branches(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
         let branch = |heading| IntervalBox::from([domain[0], domain[1], heading]);
         self.within(domain[2]).into_iter().map(branch).filter(|branch| !branch.is_empty()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: of 20 edges 6 agree on one heading and 14 on another. Of 20 edges a sixth and five may be wrong, 8, and of 60 edges 15: where the edges of
+    /// images that were forgotten count, too, all wrong edges may be among those that are left.
+    #[test]
+    fn edges_of_forgotten_images_count_for_the_share_that_may_be_wrong() {
+        let (few, many) = (Interval::new(0.1, 0.2), Interval::new(0.5, 0.6));
+        let held: Vec<Vec<Vec<Interval>>> = [few, many, many]
+            .into_iter()
+            .zip([6, 7, 7])
+            .map(|(heading, n_edges)| vec![vec![heading]; n_edges])
+            .collect();
+        let left = |n_edges: usize| {
+            WallHeadings::of_edges(held.clone(), n_edges, &Quotas::default()).within(Interval::new(-1.0, 1.0))
+        };
+        assert_eq!(left(20), [many]);
+        assert_eq!(left(60), [few, many]);
     }
 }

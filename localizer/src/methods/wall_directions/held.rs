@@ -6,7 +6,7 @@ use interval::Interval;
 
 use crate::method::Earlier;
 
-use super::Image;
+use super::{IMAGES, Image};
 
 /// For each count, from one up, the headings at the latest stamp on which so many level edges of an earlier image agree.
 pub(super) fn headings_now(image: &Earlier) -> Vec<Vec<Interval>> {
@@ -36,5 +36,44 @@ impl Certificates {
             self.are_spoilt.pop_front();
         }
         self.are_too_many |= self.are_spoilt.iter().filter(|is_spoilt| **is_spoilt).count() > at_most;
+    }
+}
+
+/// Numbers of level edges of the latest images whose edges count together, whether the images are still held or were forgotten since.
+#[derive(Clone, Debug, Default)]
+pub(super) struct EdgeCounts {
+    /// Stamp and number of level edges of each image.
+    latest: VecDeque<(f64, usize)>,
+}
+
+impl EdgeCounts {
+    /// Counts one more image with so many level edges. An image that comes again counts once.
+    pub(super) fn note(&mut self, stamp_s: f64, n_edges: usize) {
+        self.latest.retain(|(other_s, _)| *other_s != stamp_s);
+        self.latest.push_back((stamp_s, n_edges));
+        if self.latest.len() > IMAGES {
+            self.latest.pop_front();
+        }
+    }
+
+    /// Number of level edges of all images that count together.
+    pub(super) fn sum(&self) -> usize {
+        self.latest.iter().map(|(_, n_edges)| n_edges).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_edges_of_the_latest_images_are_counted_and_each_image_once() {
+        let mut counts = EdgeCounts::default();
+        for image in 0..IMAGES + 5 {
+            counts.note(image as f64, image);
+        }
+        let last = (IMAGES + 4) as f64;
+        counts.note(last, IMAGES + 4);
+        assert_eq!(counts.sum(), (5..IMAGES + 5).sum());
     }
 }
