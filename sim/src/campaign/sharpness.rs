@@ -21,6 +21,7 @@ mod kind;
 mod motion;
 mod number;
 mod outline;
+mod perceived;
 mod range;
 mod readings;
 mod rest;

@@ -45,7 +45,7 @@ to contain them all. The table shows the width of the box, the distance of the o
 that cannot be narrower. The search is not complete, so that a ratio is an upper bound of the true one. Last comes the declared bound
 that makes most of the width at the latest key frame, with its part of the width that the graph gives there: what to calibrate next.
 Where the boxes of older poses and of landmarks make more than that, their part is told before it.
-Exit code: 0 the sharpness was measured, 2 it could not be.";
+Exit code: 0 all witnesses found are in the box, 1 a witness is outside of it, 2 the sharpness could not be measured.";
 
 /// Measures the sharpness of one run and prints it.
 pub(super) fn sharpness(arguments: &SharpnessArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
@@ -74,7 +74,12 @@ pub(super) fn sharpness(arguments: &SharpnessArguments, adapter: Option<&str>) -
     let measured = measure(&file.scene, &file.name, &record, &log, &mut |n_done| bar.set_position(n_done as u64))?;
     bar.finish_and_clear();
     print(&if arguments.json { as_json(&file.name, seed, &measured) } else { as_table(&measured) })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::from(u8::from(n_outside(&measured) > 0)))
+}
+
+/// Number of instants at which a witness is outside the box.
+fn n_outside(measured: &Sharpness) -> usize {
+    measured.instants.iter().filter(|instant| !instant.in_box).count()
 }
 
 /// The scene and the seed that the arguments ask for.
@@ -185,6 +190,12 @@ fn as_table(measured: &Sharpness) -> String {
         of_axes(&|axis| measured.power(axis))
     );
     text += &format!("witnesses along every axis at {n_found} of {} instants\n", measured.instants.len());
+    match n_outside(measured) {
+        0 => {}
+        n => {
+            text += &format!("a witness is outside the box at {n} instants: the localizer excludes what may be true\n")
+        }
+    }
     text
 }
 

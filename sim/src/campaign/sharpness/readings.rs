@@ -22,6 +22,7 @@ use super::{
     joints::Joints,
     kind::{Declared, Kind},
     motion::Motion,
+    perceived::Perceived,
     range::{Look, Range},
     rest::Rest,
     walls::Walls,
@@ -38,6 +39,16 @@ pub(super) fn unsupported(scene: &Scene) -> Option<(&'static str, String, &'stat
     if let Some(gyro) = robot.gyro.as_ref().filter(wanders) {
         let value = gyro.bias_wander_deg_per_s2.to_string();
         return Some(("robot.gyro.bias_wander_deg_per_s2", value, "0, or `angle_floor_deg` beside it"));
+    }
+    let delivery = &robot.delivery;
+    for (key, value) in [
+        ("robot.delivery.late_s", delivery.late_s),
+        ("robot.delivery.dropped_share", delivery.dropped_share),
+        ("robot.delivery.duplicated_share", delivery.duplicated_share),
+    ] {
+        if value > 0.0 {
+            return Some((key, value.to_string(), "0, each reading at once and exactly once"));
+        }
     }
     if robot.steering_encoder.is_some() {
         return Some(("robot.steering_encoder", "given".to_owned(), "false"));
@@ -134,7 +145,9 @@ impl<'a> Readings<'a> {
         looks.sort_unstable();
         looks.dedup();
         let motion = Motion { start: self.start, robot: self.robot.clone(), room_m: self.map.room_m, looks };
-        let mut kinds: Vec<Box<dyn Kind>> = vec![Box::new(motion), Box::new(self.wheels(history, time_s))];
+        let perceived = Perceived::of(scene, record, time_s);
+        let mut kinds: Vec<Box<dyn Kind>> =
+            vec![Box::new(motion), Box::new(self.wheels(history, time_s)), Box::new(perceived)];
         kinds.extend(self.gyro(history, time_s).map(|gyro| Box::new(gyro) as Box<dyn Kind>));
         kinds.extend(self.flow(history, time_s).map(|flow| Box::new(flow) as Box<dyn Kind>));
         kinds.extend(self.rest(history, time_s).map(|rest| Box::new(rest) as Box<dyn Kind>));

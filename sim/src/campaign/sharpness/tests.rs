@@ -223,7 +223,7 @@ fn the_truth_of_a_corner_run_is_a_witness_of_itself() {
         for step in [120, 300] {
             let (truth, kinds) = readings.until(record.truths[step].time_s).unwrap();
             assert_eq!(check(&truth, &kinds, TRUTH_SLACK), Ok(()), "{errors:?}");
-            assert!(truth.stamps_s.len() > step && kinds.len() == 4);
+            assert!(truth.stamps_s.len() > step && kinds.len() == 5);
         }
     }
 }

@@ -28,8 +28,6 @@ pub(super) use false_claims::Images;
 
 /// What is broken when more edges are not what was claimed than the scene's quotas allow.
 pub(super) const FALSE_EDGES: &str = "wall_directions edges";
-/// What is broken when more edges are false in truth than the scene's quotas allow.
-pub(super) const QUOTAS: &str = "wall_directions quotas";
 
 /// Number of edges of an image that the search keeps in view on either side: those that leave the heading the least room, and as many of the upright
 /// ones. Others are kept in view once a candidate breaks them.
@@ -176,10 +174,6 @@ impl Kind for Walls {
     }
 
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
-        let exceeded = |bound, time_s| Broken { bound, time_s, value: Interval::ONE, allowed: Interval::ZERO };
-        if let Some(time_s) = self.images.exceeded_s() {
-            return Err(exceeded(QUOTAS, time_s));
-        }
         self.eye.check_tilt(history, slack)?;
         let turn_rad = history.value(Quantity::WallsTurn);
         let mut images = self.images.clone();
@@ -195,7 +189,9 @@ impl Kind for Walls {
                 }
             }
         }
-        images.exceeded_s().map_or(Ok(()), |time_s| Err(exceeded(FALSE_EDGES, time_s)))
+        images.exceeded_s().map_or(Ok(()), |time_s| {
+            Err(Broken { bound: FALSE_EDGES, time_s, value: Interval::ONE, allowed: Interval::ZERO })
+        })
     }
 
     fn add_rows(&self, near: &mut Linearised<'_>) {

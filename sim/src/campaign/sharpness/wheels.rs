@@ -113,8 +113,8 @@ impl Wheels {
         Ok(())
     }
 
-    /// Checks that each wheel stood somewhere within one tick at the start, such that all its counts are right.
-    fn check_ticks(&self, history: &History) -> Result<(), Broken> {
+    /// Checks that each wheel stood somewhere within one tick at the start, such that all its counts are right to within the share `slack` of a tick.
+    fn check_ticks(&self, history: &History, slack: f64) -> Result<(), Broken> {
         for wheel in 0..2 {
             let mut phase = Interval::new(0.0, 1.0);
             for (stamp, ticks) in &self.readings {
@@ -123,7 +123,7 @@ impl Wheels {
                 let count = angle / (Interval::PI * 2.0);
                 // ticks ≤ count + phase ≤ ticks + 1, whichever number of the interval the count is.
                 let below = Interval::point(ticks[wheel] as f64) - count;
-                let allowed = Interval::new(below.hi(), (below + Interval::ONE).lo());
+                let allowed = Interval::new(below.hi() - slack, (below + Interval::ONE).lo() + slack);
                 let left = phase.intersect(allowed);
                 if left.is_empty() {
                     let time_s = history.stamps_s[*stamp];
@@ -167,7 +167,7 @@ impl Kind for Wheels {
 
     fn check(&self, history: &History, slack: f64) -> Result<(), Broken> {
         let travel = self.travel(history);
-        self.check_ticks(history)?;
+        self.check_ticks(history, slack)?;
         self.check_acceleration(history, &travel, slack)?;
         for channel in 0..3 {
             let (ratio, floor_m, bound) = self.slip_bound(channel);

@@ -11,7 +11,7 @@ use localizer::{
 
 use super::super::{
     history::{CameraPart, History, Looker, Quantity},
-    walls::{Edge, FALSE_EDGES, Images, Look, QUOTAS, Walls, Way},
+    walls::{Edge, FALSE_EDGES, Images, Look, Walls, Way},
 };
 use crate::judge::{FalseClaims, Quotable};
 
@@ -142,5 +142,5 @@ fn as_many_edges_are_false_as_the_quota_of_the_image_says() {
     // What is false in truth counts, too, and leaves no witness where it is more than declared.
     let truly = FalseClaims { others: 1, ..none };
     assert_eq!([2, 3].map(|items| with(items, 0, truly, &turned(0.02))), [Some(FALSE_EDGES), None]);
-    assert_eq!([0, 1].map(|items| with(items, 0, truly, &|_| {})), [Some(QUOTAS), None]);
+    assert_eq!([0, 1].map(|items| with(items, 0, truly, &|_| {})), [Some(FALSE_EDGES), None]);
 }
