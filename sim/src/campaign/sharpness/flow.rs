@@ -238,9 +238,8 @@ impl<'a> Rows<'a> {
     /// The rows that the varying part of the scale keeps its bound from one knot to the next, where it is least and where it is greatest.
     fn add_varying(&self, near: &mut Linearised<'_>, knot: usize) {
         let most = self.flow.keys.varying_share();
-        let changes = near.history.counted[self.readings(near, knot)].iter().map(|counted| counted.change);
-        let (least, greatest) = changes.fold((0.0f64, 0.0f64), |(least, most), at| (least.min(at), most.max(at)));
-        for change in [least, greatest] {
+        let changes = || near.history.counted[self.readings(near, knot)].iter().map(|counted| counted.change);
+        for change in [changes().reduce(f64::min), changes().reduce(f64::max)].into_iter().flatten() {
             near.add(vec![(self.varying[knot], 1.0)], change, Interval::new(-most, most));
         }
     }
@@ -269,22 +268,22 @@ impl<'a> Rows<'a> {
         vec![(self.counted[knot] + axis, 1.0 - share), (self.counted[knot + 1] + axis, share)]
     }
 
-    /// Terms of how many counts the sensor counts more along an axis between a knot and a stamp up to the next knot.
-    fn terms(&self, near: &Linearised<'_>, knot: usize, stamp: usize, axis: usize) -> Vec<(usize, f64)> {
-        let (history, from) = (near.history, near.knots[knot]);
+    /// Terms of how many counts the sensor counts more along an axis between a knot and the next.
+    fn terms(&self, near: &Linearised<'_>, knot: usize, axis: usize) -> Vec<(usize, f64)> {
+        let (history, from, to) = (near.history, near.knots[knot], near.knots[knot + 1]);
         let value = |quantity: Quantity| history.value(quantity);
         let per_m = self.flow.keys.counts_per_m * value(Quantity::FlowScale);
         let [forward_m, left_m] = [0, 1].map(|axis| value(Quantity::FlowPosition(axis)));
         let (sin, cos) = value(Quantity::FlowYaw).sin_cos();
         let [ahead, aside] = if axis == 0 { [cos, sin] } else { [-sin, cos] };
-        let turned_rad = history.poses[stamp].heading_rad - history.poses[from].heading_rad;
-        let moved_m = [0, 1].map(|axis| self.until_m[stamp][axis] - self.until_m[from][axis]);
+        let turned_rad = history.poses[to].heading_rad - history.poses[from].heading_rad;
+        let moved_m = [0, 1].map(|axis| self.until_m[to][axis] - self.until_m[from][axis]);
 
         let scaled = |terms: Vec<(usize, f64)>, by: f64| terms.into_iter().map(move |(at, share)| (at, by * share));
-        let mut terms: Vec<(usize, f64)> = scaled(self.gains.along_of(near, from, stamp), per_m * ahead).collect();
-        terms.extend(scaled(self.gains.left(near, from, stamp), per_m * aside));
+        let mut terms: Vec<(usize, f64)> = scaled(self.gains.along_of(near, from, to), per_m * ahead).collect();
+        terms.extend(scaled(self.gains.left(near, from, to), per_m * aside));
         let per_turn = per_m * (aside * forward_m - ahead * left_m);
-        terms.extend(near.pose(stamp, 2, per_turn));
+        terms.extend(near.pose(to, 2, per_turn));
         terms.extend(near.pose(from, 2, -per_turn));
         let by_yaw = if axis == 0 { moved_m[1] } else { -moved_m[0] };
         terms.extend([
@@ -304,7 +303,7 @@ impl<'a> Rows<'a> {
         for axis in 0..2 {
             let mut terms = Vec::new();
             if !is_blind {
-                terms = self.terms(near, knot, near.knots[knot + 1], axis);
+                terms = self.terms(near, knot, axis);
             }
             terms.extend([(self.counted[knot] + axis, 1.0), (self.counted[knot + 1] + axis, -1.0)]);
             near.add(terms, 0.0, Interval::new(-HAIR_COUNTS, HAIR_COUNTS));

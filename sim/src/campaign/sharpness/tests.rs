@@ -15,6 +15,7 @@ use super::{
     ReadingLog,
     history::{History, Looker, Quantity},
     kind::Kind,
+    perceived::{MISPERCEIVED, Perceived},
     readings::Readings,
     search::{TRUTH_SLACK, check, search},
 };
@@ -31,6 +32,15 @@ const HAIR: f64 = 1e-6;
 #[test]
 fn a_history_without_errors_keeps_every_bound() {
     assert_eq!(Drive::on_circle(&[50, 100]).broken_by(|_| {}), None);
+}
+
+#[test]
+fn a_history_with_more_false_claims_than_declared_is_refused() {
+    let history = Drive::on_circle(&[]).history;
+    let of = |exceeded_s: &[f64]| Perceived { exceeded_s: exceeded_s.to_vec() }.check(&history, 0.0);
+    assert!(of(&[]).is_ok());
+    let broken = of(&[0.4, 0.6]).unwrap_err();
+    assert_eq!((broken.bound, broken.time_s, broken.value), (MISPERCEIVED, 0.4, Interval::point(2.0)));
 }
 
 #[test]

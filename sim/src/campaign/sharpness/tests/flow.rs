@@ -147,9 +147,9 @@ fn while_it_is_blind_the_flow_sensor_counts_nothing() {
     assert_eq!(broken(&flow, &History { counted: Vec::new(), ..history }), Some(COUNTS));
 }
 
-/// A place 60 mm behind the axle goes to the right as the robot turns to the left: 0.3 rad/s for 2 s are 36 mm, 720 counts.
-#[test]
-fn in_a_turn_the_place_of_the_flow_sensor_counts_too() {
+/// Two seconds on a circle, and what the sensor counts. A place 60 mm behind the axle goes to the right as the robot turns to the left: 0.3 rad/s for 2 s
+/// are 36 mm, 720 counts.
+fn on_circle() -> (History, Flow) {
     let (straight, mut flow) = straight();
     let mut history = Drive::on_circle(&[]).history;
     history.quantities = straight.quantities;
@@ -157,6 +157,12 @@ fn in_a_turn_the_place_of_the_flow_sensor_counts_too() {
     for reading in &mut flow.readings {
         reading.counts[1] = (-720.0 * reading.stamp as f64 / N_STEPS as f64 + 0.5).floor() as i64;
     }
+    (history, flow)
+}
+
+#[test]
+fn in_a_turn_the_place_of_the_flow_sensor_counts_too() {
+    let (history, mut flow) = on_circle();
     assert_eq!(broken(&flow, &history), None);
     flow.readings.iter_mut().for_each(|reading| reading.counts[1] = 0);
     assert_eq!(broken(&flow, &history), Some(COUNTS));
@@ -166,13 +172,7 @@ fn in_a_turn_the_place_of_the_flow_sensor_counts_too() {
 /// history says, and its headings are as they were.
 #[test]
 fn a_settled_history_counts_what_it_says() {
-    let (straight, mut flow) = straight();
-    let mut history = Drive::on_circle(&[]).history;
-    history.quantities = straight.quantities;
-    history.counted = counted([0.5; 2], [WAY_M, -0.036], 0.0, [0.0; 2]);
-    for reading in &mut flow.readings {
-        reading.counts[1] = (-720.0 * reading.stamp as f64 / N_STEPS as f64 + 0.5).floor() as i64;
-    }
+    let (mut history, flow) = on_circle();
     turned(&mut history, |time_s| 0.02 + 0.01 * time_s * time_s);
     history.quantities.insert(Quantity::FlowPosition(0), -0.0605);
     history.quantities.insert(Quantity::FlowYaw, 0.003);
