@@ -80,6 +80,18 @@ fn what_a_process_tells_of_a_scene_ends_with_the_run() {
     }
 }
 
+/// The case is a run with a witness. A search that does not ask for witnesses has a journal of its own.
+#[test]
+fn a_search_for_witnesses_draws_scenes_of_which_they_can_be_checked() {
+    let place = folder("falsify_witnesses");
+    let part = ["--seed", "9002", "--without-cameras", "--cases", "0..1", "--tries", "0"];
+    let (code, with, errors) = searched(&place, &[&part[..], &["--wish", "witness_outside"]].concat());
+    assert_eq!((code, &with["summary"]["with_witnesses"]), (0, &Value::from(1)), "{errors}");
+    let (_, without, errors) = searched(&place, &part);
+    assert_eq!(without["summary"]["with_witnesses"], 0);
+    assert!(errors.contains("0 recorded earlier"), "{errors}");
+}
+
 #[test]
 fn what_cannot_be_searched_is_told_with_code_2() {
     let place = folder("falsify_refused");

@@ -1,7 +1,10 @@
 use interval::Interval;
 use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Status, quota::Quota, reading::Camera};
 use sim::{
-    campaign::falsify::{Wish, hits},
+    campaign::{
+        falsify::{Wish, hits, witness_outside},
+        sharpness::{Instant, Sharpness},
+    },
     judge::{Judgement, judge},
     run::{ImageRecord, RunRecord},
     scene::Scene,
@@ -54,6 +57,32 @@ fn outside_for_half_a_second_is_unsound_and_for_longer_than_one_it_is_sound_but_
     let outside_until = |end_s: f64| move |time_s: f64| if (1.0..end_s).contains(&time_s) { 0.05 } else { 0.0 };
     assert_eq!(wishes(&scene, &record(&scene, 0.01, outside_until(1.5))), [Wish::Unsound]);
     assert_eq!(wishes(&scene, &record(&scene, 0.01, outside_until(2.5))), [Wish::Unsound, Wish::SoundButOutside]);
+}
+
+/// Sharpness at one instant, with a witness a step outside the box along x, or none outside.
+fn sharpness(time_s: f64, in_box: bool) -> Sharpness {
+    let instant = Instant {
+        time_s,
+        width: [0.02; 3],
+        witnesses: [Interval::new(0.6, if in_box { 0.605 } else { 0.615 }); 3],
+        power: [Some(1.5), None, None],
+        in_box,
+        broken: None,
+        dominant: [const { None }; 3],
+    };
+    Sharpness { instants: vec![instant] }
+}
+
+#[test]
+fn a_witness_outside_counts_where_the_localizer_says_that_it_is_sound() {
+    let scene = scene();
+    let mut record = record(&scene, 0.01, |_| 0.0);
+    let wish = |record: &RunRecord, found: &Sharpness| witness_outside(&scene, record, found).map(|hit| hit.wish);
+    assert_eq!(wish(&record, &sharpness(2.0, true)), None);
+    assert_eq!(wish(&record, &sharpness(2.0, false)), Some(Wish::WitnessOutside));
+    record.estimates[200].status = Status::Recovering;
+    assert_eq!(wish(&record, &sharpness(2.0, false)), None);
+    assert_eq!(wish(&record, &sharpness(2.01, false)), Some(Wish::WitnessOutside));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use localizer::{
     },
 };
 use sim::{
-    campaign::sharpness::{Instant, ReadingLog, Sharpness, measure},
+    campaign::sharpness::{Instant, N_INSTANTS, ReadingLog, Sharpness, measure},
     devices::Observation,
     loading::SceneTemplate,
     render::Renderer,
@@ -76,7 +76,7 @@ fn assert_noticed(scene: &Scene, seed: u64, method: &dyn Fn() -> Box<dyn Method>
     let (mut subject, options) = (IntervalLocalizer::of(scene), RunOptions::default());
     let record =
         run_witnessed(scene, seed, &mut subject, renderer.as_mut(), &options, &mut beside, &mut |_| {}).unwrap();
-    let found = measure(scene, "scene", &record, &beside.log, &mut |_| {}).unwrap();
+    let found = measure(scene, "scene", &record, &beside.log, N_INSTANTS, &mut |_| {}).unwrap();
     let hull_in = |estimates: &[Estimate], instant: &Instant| -> PoseBox {
         let at = estimates.partition_point(|estimate| estimate.time_s < instant.time_s - 0.005);
         estimates[at].pose.hull()

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use sim::{
-    campaign::sharpness::{ReadingLog, Sharpness, measure},
+    campaign::sharpness::{N_INSTANTS, ReadingLog, Sharpness, measure},
     loading::SceneTemplate,
     render::Renderer,
     run::{RunOptions, run_witnessed},
@@ -18,7 +18,7 @@ fn sharpness(scene: &Scene, seed: u64) -> Sharpness {
     let options = RunOptions::default();
     let record =
         run_witnessed(scene, seed, &mut subject, Some(&mut renderer), &options, &mut log, &mut |_| {}).unwrap();
-    measure(scene, "scene", &record, &log, &mut |_| {}).unwrap()
+    measure(scene, "scene", &record, &log, N_INSTANTS, &mut |_| {}).unwrap()
 }
 
 /// A drive over tiles with some keys set and with every error at an end of its tolerance.

@@ -26,11 +26,11 @@ pub use error::FalsifyError;
 pub use finding::Finding;
 pub use grammar::Profile;
 pub use journal::Done;
-pub use probe::{Outcome, Told, probe};
+pub use probe::{Outcome, Told, Witnesses, probe};
 pub use search::{Progress, Search, search};
 pub use shrink::shrink;
 pub use summary::{Summary, upper_bound};
-pub use wish::{Hit, Wish, hits};
+pub use wish::{Hit, Wish, hits, witness_outside};
 
 use toml::Table;
 

@@ -47,8 +47,8 @@ use crate::{
 
 use readings::{Readings, unsupported};
 
-/// Number of instants at which witnesses are sought, evenly over the drive.
-const N_INSTANTS: usize = 20;
+/// Number of instants at which `wherein sharpness` searches for witnesses, evenly over the drive.
+pub const N_INSTANTS: usize = 20;
 /// Time of a drive beyond which no instant lies: the work for one instant grows with the time before it.
 const LONGEST_S: f64 = 200.0;
 
@@ -195,28 +195,30 @@ pub enum SharpnessError {
 
 /// Instants at which sharpness is measured, for a drive that lasts `duration_s` or its first 200 s: one in each of equally long spans, at places that
 /// fall evenly over the span. So they fall evenly over the periods of all sensors, too, and means over them are means over the drive.
-pub fn instants_s(duration_s: f64) -> Vec<f64> {
+pub fn instants_s(duration_s: f64, n_instants: usize) -> Vec<f64> {
     /// Multiples of the golden ratio are spread over the whole numbers' remainders as evenly as any numbers can be.
     const GOLDEN: f64 = 0.618_033_988_749_895;
-    let span_s = duration_s.min(LONGEST_S) / N_INSTANTS as f64;
+    let span_s = duration_s.min(LONGEST_S) / n_instants as f64;
     let place = |at: usize| at as f64 + (GOLDEN * (at + 1) as f64).fract();
     // Estimates are made every 10 ms.
-    (0..N_INSTANTS).map(|at| (place(at) * span_s * 100.0).floor() / 100.0).collect()
+    (0..n_instants).map(|at| (place(at) * span_s * 100.0).floor() / 100.0).collect()
 }
 
-/// Measures the sharpness of a recorded run of a scene, whose readings are in the log. `progress` is called with the number of instants done.
+/// Measures the sharpness of a recorded run of a scene, whose readings are in the log, at so many instants. `progress` is called with the number of
+/// instants done.
 pub fn measure(
     scene: &Scene,
     name: &str,
     record: &RunRecord,
     log: &ReadingLog,
+    n_instants: usize,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Sharpness, SharpnessError> {
     refuse_unsupported(scene, name)?;
     let last_s = record.truths.last().map_or(0.0, |truth| truth.time_s);
     let readings = Readings::of(scene, record, log);
     let mut instants = Vec::new();
-    for time_s in instants_s(last_s.min(scene.duration_s)) {
+    for time_s in instants_s(last_s.min(scene.duration_s), n_instants) {
         let at = record.estimates.partition_point(|estimate| estimate.time_s < time_s - 0.005);
         let Some(estimate) = record.estimates.get(at) else { break };
         let mut instant = at_instant(&readings, estimate, record.truths[at].time_s);

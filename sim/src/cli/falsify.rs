@@ -43,7 +43,8 @@ pub(super) struct FalsifyArguments {
     /// Draw only scenes with at least one camera that renders images. Without this flag and --without-cameras one scene in ten has such a camera.
     #[arg(long, conflicts_with = "without_cameras")]
     with_cameras: bool,
-    /// Kind of failure to search for and to shrink; may be given several times. By default all kinds but perception.
+    /// Kind of failure to search for and to shrink; may be given several times. By default all kinds but perception and
+    /// witness_outside.
     #[arg(long, value_name = "WISH")]
     wish: Vec<Wish>,
     /// Number of smaller scenes to try for each failing scene; 0 leaves failing scenes as they were drawn.
@@ -73,6 +74,8 @@ The kinds of failure:
   crash              the process ended early: a panic, an abort, or more than 3 GB of memory
   hang               the run took far more processor time than runs of similar scenes
   unsound            the true pose was outside the box though every bound held and the claims of the vision were true
+  witness_outside    a history other than the true one that keeps every bound was outside the box while the status was sound; if this
+                     kind is named, only scenes that wherein sharpness can measure are drawn, and three instants are looked at
   sound_but_outside  the true pose was outside for more than a second while the status was sound, and until then no bound that an
                      estimate relied on was exceeded, whatever the judge says
   digest_differs     a second run of the same case gave other bytes
@@ -105,7 +108,7 @@ impl clap::ValueEnum for Wish {
 /// Runs the search and prints its summary.
 pub(super) fn falsify(arguments: &FalsifyArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     if let Some(seed) = arguments.probe {
-        probe(seed, adapter)?;
+        probe(seed, adapter, arguments.wish.contains(&Wish::WitnessOutside))?;
         return Ok(ExitCode::SUCCESS);
     }
     let asked = asked(arguments, adapter);

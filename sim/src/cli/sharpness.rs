@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::{
     artefacts::run_files,
-    campaign::sharpness::{AXES, Dominant, ReadingLog, Sharpness, instants_s, measure, refuse_unsupported},
+    campaign::sharpness::{AXES, Dominant, N_INSTANTS, ReadingLog, Sharpness, measure, refuse_unsupported},
     loading::{SceneFile, SceneTemplate, Setting},
     render::Renderer,
     run::{RunOptions, run_witnessed},
@@ -70,8 +70,9 @@ pub(super) fn sharpness(arguments: &SharpnessArguments, adapter: Option<&str>) -
         let (run, now) = (arguments.run.clone(), record.readings_digest);
         return Err(CommandError::OtherReadings { run, recorded, now });
     }
-    let bar = ProgressBar::new(instants_s(0.0).len() as u64);
-    let measured = measure(&file.scene, &file.name, &record, &log, &mut |n_done| bar.set_position(n_done as u64))?;
+    let bar = ProgressBar::new(N_INSTANTS as u64);
+    let done = &mut |n_done| bar.set_position(n_done as u64);
+    let measured = measure(&file.scene, &file.name, &record, &log, N_INSTANTS, done)?;
     bar.finish_and_clear();
     print(&if arguments.json { as_json(&file.name, seed, &measured) } else { as_table(&measured) })?;
     Ok(ExitCode::from(u8::from(n_outside(&measured) > 0)))

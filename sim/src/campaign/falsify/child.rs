@@ -9,7 +9,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::probe::{Outcome, Told};
+use super::{
+    probe::{Outcome, Told},
+    wish::Wish,
+};
 
 /// How the run of a scene ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +51,8 @@ pub(super) struct Run<'a> {
     pub(super) adapter: Option<&'a str>,
     /// Number of threads that Mesa's software drivers may use; none leaves the number to the driver.
     pub(super) driver_threads: Option<usize>,
+    /// Whether witnesses are searched for, too.
+    pub(super) seeks_witnesses: bool,
 }
 
 /// Processor time that a process may take to read a scene, start a graphics adapter and finish. On two cores at 3 GHz these take 0.01 to 1 s, most of
@@ -93,6 +98,9 @@ impl Run<'_> {
             command.env("LP_NUM_THREADS", threads.to_string());
         }
         command.args(["falsify", "--probe", &self.seed.to_string()]);
+        if self.seeks_witnesses {
+            command.args(["--wish", Wish::WitnessOutside.name()]);
+        }
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()
     }
 

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 
 use crate::artefacts::run_files::{self, RecordError, naming, program_digest};
 
-use super::{FalsifyError, Profile, wish::Hit};
+use super::{FalsifyError, Profile, probe::Witnesses, wish::Hit};
 
 /// Record of a case of the search that is done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +29,8 @@ pub struct Done {
     pub simulated_s: f64,
     /// Whether images were rendered in the run.
     pub has_cameras: bool,
+    /// What the search for witnesses found; `None` for a run that did not reach its end.
+    pub witnesses: Option<Witnesses>,
     /// Names of the declared bounds that were exceeded in the run.
     pub broken: Vec<String>,
     /// Failures that the run showed.
@@ -43,6 +45,7 @@ pub struct Done {
 struct Heading {
     seed: u64,
     profile: String,
+    seeks_witnesses: bool,
     version: String,
     program: Option<String>,
     adapter: Option<String>,
@@ -63,12 +66,14 @@ impl Journal {
         out: &Path,
         seed: u64,
         profile: Profile,
+        seeks_witnesses: bool,
         adapter: Option<&str>,
     ) -> Result<(Journal, BTreeMap<u64, Done>), FalsifyError> {
         run_files::prepare(out)?;
         let heading = Heading {
             seed,
             profile: profile.name().to_owned(),
+            seeks_witnesses,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             program: program_digest().map(str::to_owned),
             adapter: adapter.map(str::to_owned),

@@ -10,21 +10,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     artefacts::run_files::Summary,
+    campaign::sharpness::{ReadingLog, Sharpness, SharpnessError, measure, refuse_unsupported},
     judge::judge,
     loading::SceneFile,
     render::Renderer,
-    run::{RunOptions, run, run_otherwise},
+    run::{RunOptions, run_otherwise, run_witnessed},
     scene::{Scene, SceneError, SharedKeys},
     subject::IntervalLocalizer,
 };
 
-use super::wish::{Hit, hits};
+use super::wish::{Hit, hits, witness_outside};
+
+/// Number of instants at which witnesses are searched for.
+const N_INSTANTS: usize = 3;
+/// The search for witnesses may take as much processor time as a simulation of this length without cameras.
+const WITNESSES_S: f64 = 600.0;
 
 /// One line that the child process of a run reports to the search, as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Told {
-    /// The scene is not valid. The text is the path of the first key that is refused, without the indices of list items.
+    /// The scene is not valid, or no witness of it could be checked where witnesses are searched for. The text is the path of the first key that is refused, without the indices of list items.
     Refused(String),
     /// A simulation begins: the run of a valid scene, or a repetition of the run to find out the cause of a failure. The report tells how much has to
     /// be simulated in all.
@@ -42,6 +48,28 @@ pub enum Told {
     Ran(Outcome),
 }
 
+/// What the search for witnesses of a run found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Witnesses {
+    /// None were searched for: the search does not ask for [`super::Wish::WitnessOutside`].
+    NotSought,
+    /// There is none. The text names the bound that the truth, or the last candidate, breaks.
+    None(String),
+    /// There is one at some instant.
+    Found,
+}
+
+impl Witnesses {
+    fn of(sharpness: &Sharpness) -> Witnesses {
+        if sharpness.instants.iter().any(|instant| (0..3).any(|axis| instant.spanned(axis) > 0.0)) {
+            return Witnesses::Found;
+        }
+        let broken = sharpness.instants.iter().rev().find_map(|instant| instant.broken.clone());
+        Witnesses::None(broken.unwrap_or_default())
+    }
+}
+
 /// Results of a run that reached its end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
@@ -51,6 +79,8 @@ pub struct Outcome {
     pub simulated_s: f64,
     /// Whether images were rendered in the run.
     pub has_cameras: bool,
+    /// What the search for witnesses found.
+    pub witnesses: Witnesses,
     /// Names of the declared bounds that were exceeded in the run.
     pub broken: Vec<String>,
     /// Failures that the run showed.
@@ -60,8 +90,9 @@ pub struct Outcome {
 }
 
 /// Reads a scene from standard input, after a line that states the number of its bytes; runs the scene with `seed`, and reports on standard output.
-/// The process ends when standard input is closed, because the search that waited for it has ended.
-pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
+/// The process ends when standard input is closed, because the search that waited for it has ended. With `seeks_witnesses`
+/// a scene of which none can be checked is refused.
+pub fn probe(seed: u64, adapter: Option<&str>, seeks_witnesses: bool) -> io::Result<()> {
     let mut input = io::stdin().lock();
     let mut line = String::new();
     input.read_line(&mut line)?;
@@ -75,14 +106,17 @@ pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
         process::exit(2);
     });
     let text = String::from_utf8(text).map_err(io::Error::other)?;
-    tell(&run_told(text, seed, adapter))
+    tell(&run_told(text, seed, adapter, seeks_witnesses))
 }
 
-fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
+fn run_told(text: String, seed: u64, adapter: Option<&str>, seeks_witnesses: bool) -> Told {
     let scene = match Scene::parse(&text, "drawn.toml") {
         Ok(scene) => scene,
         Err(error) => return Told::Refused(reason(&error)),
     };
+    if seeks_witnesses && let Err(SharpnessError::Unsupported { key, .. }) = refuse_unsupported(&scene, "drawn") {
+        return Told::Refused(key.to_owned());
+    }
     let pixels_per_s = pixels_per_s(&scene);
     // An error of writing to the search is ignored: a search that has stopped reading has ended, and this process ends with it.
     let _ = tell(&Told::Began { simulated_s: scene.simulated_s(), pixels_per_s });
@@ -93,7 +127,9 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     let has_cameras = renderer.is_some();
     let mut progress = |simulated_s: f64| drop(tell(&Told::At(simulated_s)));
     let mut subject = IntervalLocalizer::of(&scene);
-    let record = match run(&scene, seed, &mut subject, renderer.as_mut(), &RunOptions::default(), &mut progress) {
+    let (options, mut log) = (RunOptions::default(), ReadingLog::default());
+    let ran = run_witnessed(&scene, seed, &mut subject, renderer.as_mut(), &options, &mut log, &mut progress);
+    let record = match ran {
         Ok(record) => record,
         Err(error) => return Told::CouldNotRun(error.to_string()),
     };
@@ -112,7 +148,18 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     let mut broken: Vec<String> = verdict.violations.iter().map(|broken| broken.bound.clone()).collect();
     broken.sort();
     broken.dedup();
-    let hits = hits(&scene, &record, &verdict);
+    let mut hits = hits(&scene, &record, &verdict);
+    let mut witnesses = Witnesses::NotSought;
+    if seeks_witnesses {
+        let _ = tell(&Told::Began { simulated_s: all_s + WITNESSES_S, pixels_per_s });
+        witnesses = match measure(&scene, "drawn", &record, &log, N_INSTANTS, &mut |_| {}) {
+            Ok(sharpness) => {
+                hits.extend(witness_outside(&scene, &record, &sharpness));
+                Witnesses::of(&sharpness)
+            }
+            Err(error) => return Told::CouldNotRun(error.to_string()),
+        };
+    }
     let file = SceneFile { name: "drawn".to_owned(), path: "drawn.toml".into(), scene, text, settings: Vec::new() };
     let summary = Summary::of(&file, &record, &verdict);
     let digest = format!("{} {} {}", summary.digest.truth, summary.digest.readings, summary.digest.estimates);
@@ -120,6 +167,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
         steps: record.truths.len(),
         simulated_s: summary.duration_s,
         has_cameras,
+        witnesses,
         broken,
         hits,
         digest,

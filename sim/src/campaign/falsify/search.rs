@@ -60,9 +60,9 @@ pub enum Progress {
     Done(Done),
 }
 
-/// Greatest number of scenes that are drawn for one case, in case that each is refused. A random scene should be valid more often than not, so that
-/// this number of refusals in a row has a probability of at most 10⁻¹².
-const ATTEMPTS: u64 = 40;
+/// Greatest number of scenes that are drawn for one case, in case that each is refused. A random scene should be valid more often than not, and one
+/// in six such that witnesses of it can be checked, so that this number of refusals in a row has a probability of at most 10⁻¹².
+const ATTEMPTS: u64 = 160;
 
 /// Greatest number of smaller scenes that are tried when the failure is a run that does not end: each smaller scene that does not end either takes
 /// all the time that a run is allowed.
@@ -71,7 +71,8 @@ const HANG_TRIES: usize = 60;
 /// Runs every case that is not done yet, and returns all cases that are done, in the order of their numbers. `progress` is called for each case as
 /// soon as it is done.
 pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec<Done>, FalsifyError> {
-    let (journal, earlier) = Journal::open(&search.out, search.seed, search.profile, search.adapter.as_deref())?;
+    let (journal, earlier) =
+        Journal::open(&search.out, search.seed, search.profile, search.seeks_witnesses(), search.adapter.as_deref())?;
     let mut done: Vec<Done> = earlier.into_values().filter(|case| search.cases.contains(&case.case)).collect();
     progress(Progress::Resumed(done.len()));
     let known: BTreeSet<u64> = done.iter().map(|case| case.case).collect();
@@ -120,6 +121,10 @@ struct Seen {
 }
 
 impl Search {
+    fn seeks_witnesses(&self) -> bool {
+        self.wishes.contains(&Wish::WitnessOutside)
+    }
+
     fn is_over(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
@@ -161,6 +166,7 @@ impl Search {
             steps: outcome.as_ref().map_or(0, |outcome| outcome.steps),
             simulated_s: outcome.as_ref().map_or(0.0, |outcome| outcome.simulated_s),
             has_cameras: outcome.as_ref().is_some_and(|outcome| outcome.has_cameras),
+            witnesses: outcome.as_ref().map(|outcome| outcome.witnesses.clone()),
             broken: outcome.map(|outcome| outcome.broken).unwrap_or_default(),
             hits: seen.hits,
             found,
@@ -199,7 +205,8 @@ impl Search {
     fn seen(&self, case: u64, scene: &Table, seed: u64, is_twice: bool) -> Result<Result<Seen, String>, FalsifyError> {
         let text = scene.to_string();
         let run = |driver_threads| {
-            let run = Run { text: &text, seed, adapter: self.adapter.as_deref(), driver_threads };
+            let (adapter, seeks_witnesses) = (self.adapter.as_deref(), self.seeks_witnesses());
+            let run = Run { text: &text, seed, adapter, driver_threads, seeks_witnesses };
             run.run().map_err(|source| FalsifyError::Process { case, source })
         };
         let outcome = match run(None)? {

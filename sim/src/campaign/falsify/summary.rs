@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{
     journal::Done,
+    probe::Witnesses,
     wish::{Hit, Wish},
 };
 
@@ -18,6 +19,8 @@ pub struct Summary {
     pub runs: usize,
     /// Number of runs with cameras.
     pub with_cameras: usize,
+    /// Number of runs with a witness at some instant; 0 where the search does not seek any.
+    pub with_witnesses: usize,
     /// Number of runs in which no declared bound was exceeded.
     pub bounds_held: usize,
     /// Number of steps of all runs whose estimates were checked against the truth.
@@ -58,6 +61,7 @@ impl Summary {
         let mut summary = Summary { seed, runs: done.len(), ..Summary::default() };
         for case in done {
             summary.with_cameras += usize::from(case.has_cameras);
+            summary.with_witnesses += usize::from(case.witnesses == Some(Witnesses::Found));
             summary.bounds_held += usize::from(case.broken.is_empty());
             summary.steps += case.steps;
             summary.simulated_s += case.simulated_s;
@@ -115,6 +119,13 @@ impl fmt::Display for Summary {
             "{} runs of {:.0} s in all, {} steps, {} with cameras; no bound was exceeded in {}; {} of {drawn} scenes drawn were refused",
             self.runs, self.simulated_s, self.steps, self.with_cameras, self.bounds_held, self.refused
         )?;
+        if self.with_witnesses > 0 {
+            writeln!(
+                f,
+                "{} runs had a witness: another history than the true one that keeps every bound",
+                self.with_witnesses
+            )?;
+        }
         for wish in Wish::ALL {
             let Some(hits) = self.hits.get(wish.name()) else { continue };
             writeln!(f, "{}: {} runs", wish.name().replace('_', " "), hits.runs)?;

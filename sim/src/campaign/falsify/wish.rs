@@ -4,6 +4,7 @@ use localizer::Status;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    campaign::sharpness::Sharpness,
     judge::{Judgement, Verdict, false_claims, misperceived},
     run::RunRecord,
     scene::Scene,
@@ -20,6 +21,9 @@ pub enum Wish {
     /// The true pose is outside the estimate, and neither a declared bound that was exceeded nor false claims of the vision (wrongly identified
     /// markers, joints, edges and the like) explain it.
     Unsound,
+    /// A [witness](crate::campaign::sharpness) is outside the estimate, at an instant at which the localizer reports the status *sound*: another history
+    /// than the true one, which keeps every declared bound on the readings that have arrived. The estimate is wrong, however the truth lies.
+    WitnessOutside,
     /// The true pose is outside the estimate for more than a second, at every step of which the localizer reports the status *sound* (it doubts no
     /// assumption), and until then no declared bound that an estimate relied on was exceeded and no reading had more false claims than declared.
     SoundButOutside,
@@ -36,10 +40,11 @@ pub enum Wish {
 
 impl Wish {
     /// All kinds of failure, the gravest first.
-    pub const ALL: [Wish; 8] = [
+    pub const ALL: [Wish; 9] = [
         Wish::Crash,
         Wish::Hang,
         Wish::Unsound,
+        Wish::WitnessOutside,
         Wish::SoundButOutside,
         Wish::DigestDiffers,
         Wish::EmptyBox,
@@ -53,6 +58,7 @@ impl Wish {
             Wish::Crash => "crash",
             Wish::Hang => "hang",
             Wish::Unsound => "unsound",
+            Wish::WitnessOutside => "witness_outside",
             Wish::SoundButOutside => "sound_but_outside",
             Wish::DigestDiffers => "digest_differs",
             Wish::EmptyBox => "empty_box",
@@ -62,9 +68,10 @@ impl Wish {
     }
 
     /// Returns the kinds that make a search fail by default: all but [`Wish::Perception`], losses of the truth by false claims of the vision, which
-    /// are only counted.
+    /// are only counted, and [`Wish::WitnessOutside`], as the search for witnesses takes longer than the run.
     pub fn usual() -> Vec<Wish> {
-        Wish::ALL.into_iter().filter(|wish| *wish != Wish::Perception).collect()
+        let is_usual = |wish: &Wish| !matches!(wish, Wish::Perception | Wish::WitnessOutside);
+        Wish::ALL.into_iter().filter(is_usual).collect()
     }
 }
 
@@ -84,6 +91,9 @@ pub struct Hit {
 /// Time for which the true pose may be outside the estimate before the localizer's status *sound* counts as wrong: the localizer has one second to
 /// notice.
 const OUTSIDE_S: f64 = 1.0;
+
+/// Time by which an instant of witnesses and the estimate at it may differ by rounding.
+const SAME_S: f64 = 1e-6;
 
 /// Finds every failure that the record of a completed run shows. Crashes, runs without end and results that differ between two runs are found by the
 /// search itself, as no single record shows them.
@@ -119,6 +129,18 @@ fn judged(scene: &Scene, record: &RunRecord, verdict: &Verdict, judgement: Judge
         outside(2).to_degrees()
     );
     Some(Hit { wish, at_s: truth.time_s, signature: methods(scene), seen })
+}
+
+/// Finds the first instant at which a witness is outside an estimate with the status *sound*.
+pub fn witness_outside(scene: &Scene, record: &RunRecord, sharpness: &Sharpness) -> Option<Hit> {
+    let is_sound = |time_s: f64| {
+        let at = record.estimates.partition_point(|estimate| estimate.time_s < time_s - SAME_S);
+        record.estimates.get(at).is_some_and(|estimate| estimate.status == Status::Sound)
+    };
+    let outside = sharpness.instants.iter().find(|instant| !instant.in_box && is_sound(instant.time_s))?;
+    let power = outside.power.map(|power| power.map_or("none".to_owned(), |power| format!("{power:.4}")));
+    let seen = format!("at {:.2} s, of the half widths from the middle: {}", outside.time_s, power.join(", "));
+    Some(Hit { wish: Wish::WitnessOutside, at_s: outside.time_s, signature: methods(scene), seen })
 }
 
 /// Finds the first time that the true pose is outside the estimate for more than a second, with the status *sound* at every step, and without an
