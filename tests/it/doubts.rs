@@ -118,6 +118,32 @@ fn a_kick_beyond_reach_is_noticed_within_a_second_and_right_again_within_five() 
     }
 }
 
+/// Landmarks on no map are learnt from where the robot is taken to be. After a push that nobody tells of, their boxes hold them again within five seconds.
+#[test]
+fn a_learnt_map_holds_its_landmarks_again_within_five_seconds_of_a_push() {
+    let mut scene = scene("papers/rigid_transform_loop.toml");
+    scene.duration_s = 32.0;
+    let mut n_outside = 0;
+    for (seed, push_m) in (200..rounds(201, 220)).zip([0.03, 0.06, 0.15].into_iter().cycle()) {
+        scene.events = vec![Event::Push { at_s: 22.0, displacement_m: [0.0, push_m], lasts_s: 0.3 }];
+        let (record, verdict) = judged(&scene, seed);
+        assert!(
+            verdict.violations.iter().any(|violation| violation.from_s > 21.0),
+            "seed {seed}: a push breaks a bound"
+        );
+        assert_eq!(verdict.containment.as_ref().unwrap().unsound, 0, "seed {seed}");
+        assert!(verdict.metrics["landmarks_known"] >= 5.0, "seed {seed}");
+        let longest_s = verdict.metrics["landmarks_outside_longest_s"];
+        println!(
+            "seed {seed}, {push_m} m: a landmark is outside for {longest_s:.2} s, doubt from {:.2} s",
+            first_doubt_s(&record)
+        );
+        assert!(longest_s <= 5.0, "seed {seed}: {longest_s} s");
+        n_outside += usize::from(longest_s > 0.0);
+    }
+    println!("in {n_outside} runs a landmark was outside for a while");
+}
+
 #[test]
 fn a_push_by_one_tile_in_a_blackout_is_found_when_markers_show_it_seconds_later() {
     // The lamps are off while the robot is pushed, and afterwards the next tile fits as well. Two seconds later a marker comes into view.
