@@ -30,7 +30,8 @@ const WITNESSES_S: f64 = 600.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Told {
-    /// The scene is not valid, or no witness of it could be checked where witnesses are searched for. The text is the path of the first key that is refused, without the indices of list items.
+    /// The scene is not valid, or no witness of it could be checked where witnesses are searched for. The text is the path of the first key that is
+    /// refused, without the indices of list items.
     Refused(String),
     /// A simulation begins: the run of a valid scene, or a repetition of the run to find out the cause of a failure. The report tells how much has to
     /// be simulated in all.
@@ -90,8 +91,8 @@ pub struct Outcome {
 }
 
 /// Reads a scene from standard input, after a line that states the number of its bytes; runs the scene with `seed`, and reports on standard output.
-/// The process ends when standard input is closed, because the search that waited for it has ended. With `seeks_witnesses`
-/// a scene of which none can be checked is refused.
+/// The process ends when standard input is closed, because the search that waited for it has ended. With `seeks_witnesses` a
+/// scene of which none can be checked is refused.
 pub fn probe(seed: u64, adapter: Option<&str>, seeks_witnesses: bool) -> io::Result<()> {
     let mut input = io::stdin().lock();
     let mut line = String::new();
