@@ -9,7 +9,7 @@ MSRV = 1.89
 # Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes power python test-python ray test-ray driver build \
+.PHONY: help demo test test-long lint bench bench-render photon-transfer allan path-traced readers golden gallery experiments straight-drive falsify falsify-scenes falsify-boxes power sharpness python test-python ray test-ray driver build \
 	many-cases container container-root test-container msrv features deny package book site archive check-tag release-notes
 
 help:
@@ -29,6 +29,8 @@ help:
 	@echo "make straight-drive  rerun paper 4's numerical experiment and put its tables and figure into the book: two minutes"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ rows of each kind, 10⁷ problems of P3P, 900 pairs of images: 2 hours"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
+	@echo "make falsify-boxes  random scenes in which other histories than the true one must be in the boxes, too; MINUTES=N, SEED=N, FLAGS=…"
+	@echo "make sharpness     how much of the boxes' width the readings leave open, in each scene of the experiments; an hour"
 	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
 	@echo "make python        build the Python package as a wheel; PYTHON=…"
 	@echo "make test-python   test the Python package and its examples; PYTHON=…"
@@ -126,6 +128,13 @@ SEED ?= $(shell date +%s)
 MINUTES ?= 10
 falsify-scenes: driver build
 	$(WHEREIN) falsify --seed $(SEED) --minutes $(MINUTES) $(FLAGS)
+
+# Histories other than the true one that keep every bound have to be in the boxes, too.
+falsify-boxes: driver build
+	$(WHEREIN) falsify --seed $(SEED) --minutes $(MINUTES) --wish witness_outside --wish unsound --out renders/falsify_boxes $(FLAGS)
+
+sharpness: driver build
+	$(PYTHON) scripts/sharpness --wherein $(WHEREIN)
 
 power: driver build
 	$(PYTHON) scripts/power --wherein $(WHEREIN)
