@@ -30,7 +30,7 @@ help:
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ rows of each kind, 10⁷ problems of P3P, 900 pairs of images: 2 hours"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
 	@echo "make falsify-boxes  random scenes in which other histories than the true one must be in the boxes, too; MINUTES=N, SEED=N, FLAGS=…"
-	@echo "make sharpness     how much of the boxes' width the readings leave open, in each scene of the experiments; an hour"
+	@echo "make sharpness     how much of the boxes' width the readings leave open, in each scene of the experiments; half an hour"
 	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
 	@echo "make python        build the Python package as a wheel; PYTHON=…"
 	@echo "make test-python   test the Python package and its examples; PYTHON=…"
